@@ -1,0 +1,1 @@
+extern "C" int palpate_abi_version() { return 1; }

@@ -1,0 +1,205 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""From any surface file to one closed, outward, evenly meshed and smooth organ surface in metres.
+
+Merge and orient; wrap what is not one closed solid (then take off the fins that a wrap makes of ligaments and other
+membranes); remesh to even triangles; smooth once, because a wrap is faceted.  FEM and the response field both use
+the surface that comes out of here, and its report says how far it is from what went in.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palpate.fem_offline import meshlab
+from palpate.fem_offline.errors import SurfaceError
+from palpate.fem_offline.opening import opened
+from palpate.fem_offline.signed_distance import SignedDistance
+from palpate.fem_offline.smoothing import dihedral_angles, faired, solid_volume
+from palpate.fem_offline.surface_parts import SurfacePart, components, is_closed, load_surface, merged
+
+__all__ = ["OrganSurface", "SurfacePart", "SurfaceReport", "load_surface", "repair_surface"]
+
+
+@dataclass(frozen=True)
+class SurfaceReport:
+    """What went in, what was done, and how far the result is from it.  Lengths m, volumes m^3, angles degrees.
+
+    Attributes:
+        part_names: names of the parts that went in.
+        input_closed: the input was one or more closed, consistently oriented solids that do not cut each other.
+        flipped: the input's normals pointed inward.
+        wrapped, opening_radius: alpha wrapped, and opened with this radius (0: not opened).
+        dropped: (volume, longest side) of each separate piece that was left out beside the main solid.
+        volume, area, extent: of the result.
+        distance_to_input_p95, distance_to_input: from the result's vertices and triangle centres to the input (95th
+            percentile, largest).
+        input_outside_share: share of the input's area lying outside the result by more than `edge` / 2 (membranes
+            taken off); input_outside: the largest such distance.
+        smoothing: in words; smoothing_passes: count.
+        dihedral_p50, dihedral_p95, dihedral_max: angles between neighbouring triangles of the result.
+    """
+
+    part_names: tuple[str, ...]
+    input_closed: bool
+    flipped: bool
+    wrapped: bool
+    opening_radius: float
+    dropped: tuple[tuple[float, float], ...]
+    volume: float
+    area: float
+    extent: tuple[float, float, float]
+    distance_to_input_p95: float
+    distance_to_input: float
+    input_outside_share: float
+    input_outside: float
+    smoothing: str
+    smoothing_passes: int
+    dihedral_p50: float
+    dihedral_p95: float
+    dihedral_max: float
+
+
+@dataclass(frozen=True)
+class OrganSurface:
+    """One closed surface with outward normals.
+
+    Attributes:
+        vertices: (V, 3) m, organ axes.
+        triangles: (F, 3) int32, counter-clockwise seen from outside.
+        report: how it came about.
+        hash: hex SHA-256 of vertices and triangles.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    report: SurfaceReport
+    hash: str = field(default="")
+
+
+def repair_surface(
+    parts: Sequence[SurfacePart],
+    mode: str = "auto",
+    edge: float = 3.5e-3,
+    alpha: float | None = None,
+    offset: float | None = None,
+    opening_radius: float = 2e-3,
+    smoothing_limit: float = 1e-3,
+) -> OrganSurface:
+    """One closed, outward surface from the parts of `load_surface`.
+
+    Args:
+        mode: "auto" wraps what is not one closed solid, "wrap" always wraps; both remesh and smooth.  "none" takes
+            a closed surface as it is.
+        edge: m, length of the result's edges.
+        alpha: m, gaps narrower than about twice this are bridged; default 3 % of the longest side.
+        offset: m, distance at which the wrap encloses the input, taken back afterwards; default 0.15 % of it.
+        opening_radius: m, wrapped membranes thinner than twice this are taken off; 0 keeps them.
+        smoothing_limit: m, how far smoothing may move a vertex.
+
+    Raises:
+        SurfaceError: open with mode "none", not a solid, unknown mode.
+    """
+    if mode not in ("auto", "wrap", "none"):
+        raise SurfaceError(f"unknown repair {mode!r}", "organ.repair", "auto, wrap or none")
+    names = tuple(part.name for part in parts)
+    soup = merged(parts)
+    vertices, triangles, closed = _oriented(*soup)
+    if mode == "none" and not closed:
+        raise SurfaceError(
+            "the surface is not one closed solid (open edges, or triangles that cut each other)",
+            ", ".join(names[:3]) + (" ..." if len(names) > 3 else ""),
+            'a closed surface, or repair = "auto"',
+        )
+    size = float(np.ptp(soup[0], axis=0).max())
+    wrap = mode == "wrap" or not closed
+    flipped = closed and solid_volume(*soup) < 0.0
+    if wrap:
+        alpha = 0.03 * size if alpha is None else alpha
+        offset = 0.0015 * size if offset is None else offset
+        vertices, triangles = meshlab.alpha_wrap(*soup, alpha, offset)
+        if opening_radius > 0.0:
+            spacing = min(0.5 * edge, opening_radius, size / 100)
+            vertices, triangles = opened(vertices, triangles, opening_radius, spacing)
+    vertices, triangles, dropped = _main_solid(vertices, triangles)
+    passes, smoothing = 0, "none"
+    if mode != "none":
+        vertices, triangles = meshlab.remeshed(vertices, triangles, edge)
+        vertices, passes = faired(vertices, triangles, smoothing_limit)
+        smoothing = f"Taubin 0.5/-0.53, {passes} passes, vertices move at most {1e3 * smoothing_limit:.3g} mm"
+    vertices = np.ascontiguousarray(vertices, float)
+    triangles = np.ascontiguousarray(triangles, np.int32)
+    near_p95, near_max = _distance_to_input(vertices, triangles, soup)
+    outside_share, outside = _input_outside(vertices, triangles, soup, 0.5 * edge)
+    angles = dihedral_angles(vertices, triangles)
+    report = SurfaceReport(
+        part_names=names,
+        input_closed=closed,
+        flipped=flipped,
+        wrapped=wrap,
+        opening_radius=opening_radius if wrap else 0.0,
+        dropped=dropped,
+        volume=solid_volume(vertices, triangles),
+        area=float(_areas(vertices, triangles).sum()),
+        extent=tuple(float(e) for e in np.ptp(vertices, axis=0)),
+        distance_to_input_p95=near_p95,
+        distance_to_input=near_max,
+        input_outside_share=outside_share,
+        input_outside=outside,
+        smoothing=smoothing,
+        smoothing_passes=passes,
+        dihedral_p50=float(np.percentile(angles, 50)),
+        dihedral_p95=float(np.percentile(angles, 95)),
+        dihedral_max=float(angles.max()),
+    )
+    digest = hashlib.sha256(vertices.astype("<f8").tobytes() + triangles.astype("<i4").tobytes()).hexdigest()
+    return OrganSurface(vertices, triangles, report, digest)
+
+
+def _oriented(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, bool]:
+    """Each closed component turned outward; and whether all are closed and none cuts itself or another."""
+    if not is_closed(triangles) or meshlab.self_intersecting_count(vertices, triangles):
+        return vertices, triangles, False
+    triangles = triangles.copy()
+    for piece in components(triangles):
+        if solid_volume(vertices, triangles[piece]) < 0.0:
+            triangles[piece] = triangles[piece][:, ::-1]
+    return vertices, triangles, True
+
+
+def _main_solid(vertices: np.ndarray, triangles: np.ndarray):
+    """The component of the largest volume alone, and (volume, longest side) of the others."""
+    pieces = components(triangles)
+    volumes = [solid_volume(vertices, triangles[piece]) for piece in pieces]
+    main = int(np.argmax(volumes))
+    if volumes[main] <= 0.0:
+        raise SurfaceError("the surface encloses no volume", "surface repair", "a solid organ")
+    dropped = tuple(
+        (float(volumes[i]), float(np.ptp(vertices[triangles[piece].ravel()], axis=0).max()))
+        for i, piece in enumerate(pieces)
+        if i != main
+    )
+    used, compact = np.unique(triangles[pieces[main]], return_inverse=True)
+    return vertices[used], compact.reshape(-1, 3).astype(np.int32), dropped
+
+
+def _areas(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def _distance_to_input(vertices: np.ndarray, triangles: np.ndarray, soup) -> tuple[float, float]:
+    samples = np.concatenate([vertices, vertices[triangles].mean(axis=1)])
+    closest = SignedDistance(*soup).closest(samples)[0]
+    distance = np.linalg.norm(samples - closest, axis=1)
+    return float(np.percentile(distance, 95)), float(distance.max())
+
+
+def _input_outside(vertices, triangles, soup, tolerance: float) -> tuple[float, float]:
+    area = _areas(*soup)
+    phi = SignedDistance(vertices, triangles)(soup[0][soup[1]].mean(axis=1))
+    return float(area[phi > tolerance].sum() / area.sum()), float(max(phi.max(), 0.0))

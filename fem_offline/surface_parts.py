@@ -106,9 +106,9 @@ def is_closed(triangles: np.ndarray) -> bool:
 
 
 def components(triangles: np.ndarray) -> list[np.ndarray]:
-    """Indices of the triangles of each piece connected by vertices, the largest number of triangles first."""
+    """Indices of the cells (F, 3) or (T, 4) of each piece connected by vertices, most cells first."""
     count = int(triangles.max()) + 1
-    i, j = triangles[:, [0, 1]].ravel(), triangles[:, [1, 2]].ravel()
+    i, j = triangles[:, :-1].ravel(), triangles[:, 1:].ravel()
     graph = sparse.coo_matrix((np.ones(len(i)), (i, j)), shape=(count, count))
     label = connected_components(graph, directed=False)[1][triangles[:, 0]]
     pieces = [np.flatnonzero(label == k) for k in np.unique(label)]

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a response field keeps the contract of response_field.py; what is written and what was read pass here."""
+"""Whether a response field keeps the contract of response_field.py; what is written or read passes here."""
 
 from __future__ import annotations
 
 import numpy as np
+
 from palpate.fields.field_error import FieldError
 from palpate.fields.lattice import ABSENT_UNREACHED, BLOCK_EDGE, Lattice
 from palpate.fields.response_field import ContactGeometry, DepthCurves, ResponseField, ResponseNodes
@@ -29,7 +30,8 @@ def check_field(field: ResponseField) -> None:
     _check_lattice(field.amplitudes, f"{where}: amplitudes")
     if field.amplitudes.channel_count != count:
         raise FieldError(
-            f"{where}: amplitudes has {field.amplitudes.channel_count} channels; {count}, one for each curve, is right"
+            f"{where}: amplitudes has {field.amplitudes.channel_count} channels; "
+            f"{count}, one for each curve, is right"
         )
 
 
@@ -119,5 +121,6 @@ def _check_lattice(lattice: Lattice, where: str) -> None:
         raise FieldError(f"{where} has block_index {index.shape} {index.dtype}; (bx, by, bz) int32 is right")
     if index.size and (index.min() < ABSENT_UNREACHED or index.max() >= shape[0]):
         raise FieldError(
-            f"{where} has block_index {index.min()}..{index.max()}; {ABSENT_UNREACHED}..{shape[0] - 1} is right"
+            f"{where} has block_index {index.min()}..{index.max()}; "
+            f"{ABSENT_UNREACHED}..{shape[0] - 1} is right"
         )

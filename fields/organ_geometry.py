@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+
 from palpate.fields.field_error import FieldError
 
 __all__ = ["OrganGeometry", "Support", "check_organ", "organ_hash"]
@@ -50,7 +51,7 @@ class OrganGeometry:
         supports: what holds the organ.
         region_names: name of each region, by label; label 0 is the organ's own tissue.
         region_label: (T,) int32; index into `region_names`.
-        reach_triangles: (R,) int32; triangles that a tool can touch; all of them where the scene names no reach.
+        reach_triangles: (R,) int32; triangles that a tool can touch; all of them by default.
         material: the organ's material as JSON-clean data, SI ({"model": ..., "youngs_modulus": Pa, ...}).
         region_materials: the materials of regions that have their own, by name.
         provenance: hashes and sources of the surface, JSON-clean.
@@ -76,7 +77,8 @@ def organ_hash(organ: OrganGeometry) -> str:
 
     def add(array: np.ndarray, dtype: str) -> None:
         digest.update(repr(np.shape(array)).encode())
-        digest.update(np.ascontiguousarray(array, dtype).tobytes())
+        values = np.ascontiguousarray(array).astype(dtype)
+        digest.update((values + values.dtype.type(0)).tobytes())  # -0.0 is stored as 0.0
 
     add(organ.vertices, "<f8")
     add(organ.triangles, "<i4")
@@ -88,7 +90,7 @@ def organ_hash(organ: OrganGeometry) -> str:
         add(support.tet_point_indices, "<i4")
         add(support.triangle_indices, "<i4")
     words = [organ.region_names, organ.material, organ.region_materials]
-    words.append([(s.name, s.kind, s.stiffness) for s in organ.supports])
+    words.append([(s.name, s.kind, float(s.stiffness)) for s in organ.supports])
     digest.update(json.dumps(words, sort_keys=True).encode())
     return digest.hexdigest()
 
@@ -122,7 +124,8 @@ def check_organ(organ: OrganGeometry) -> None:
     for name in organ.region_materials:
         if name not in organ.region_names:
             raise FieldError(
-                f"organ {organ.name}: region_materials names {name!r}; one of {list(organ.region_names)} is right"
+                f"organ {organ.name}: region_materials names {name!r}; "
+                f"one of {list(organ.region_names)} is right"
             )
     a, b, c, d = (organ.tet_points[organ.tet_indices[:, k]] for k in range(4))
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6.0

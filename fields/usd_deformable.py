@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tokens that tell a simulator that an organ is a deformable, authored raw because no USD release defines them.
+"""Tokens that tell a simulator that an organ is deformable, authored raw: no USD release defines them.
 
-Source: "Deformable Body Physics in USD", OpenUSD-proposals pull request 111, wp_deformable_physics.md at commit
-584939b6473945e92488559d14c3cb64d17a2682.  The proposal is open: names may change, and this table is all that
-has to follow.  An unregistered API does not bring its pseudo-base along, so both are applied by name.
+Source: "Deformable Body Physics in USD", OpenUSD-proposals pull request 111, wp_deformable_physics.md at
+commit 584939b6473945e92488559d14c3cb64d17a2682.  The proposal is open: names may change, and this table
+is all that has to follow.  An unregistered API brings no pseudo-base along: both are applied by name.
 Limit: the tokens carry initial stiffness only; a hyperelastic model stays in palpate:organ:material.
 """
 

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writing and reading single USD layers: units, prims, attributes by the schema's table, files replaced whole.
+"""Writing and reading single USD layers: units, prims, attributes by the schema's table, whole files.
 
-Layers are authored as specs, not through a stage, so that what is written never depends on whether the schema
+Layers are authored as specs, not through a stage, so what is written never depends on whether the schema
 is registered in the process.  Negative zeros become zeros: crate files store the two alike.
 """
 
@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from pxr import Gf, Sdf, Tf, Usd, Vt
+
 from palpate.fields.field_error import FieldError
 from palpate.fields.usd_schema.attributes import APIS, SchemaAttribute
-from pxr import Gf, Sdf, Tf, Usd, Vt
 
 __all__ = [
     "UNITS",
@@ -77,13 +78,15 @@ def author(
 
 
 def author_schema(prim: Sdf.PrimSpec, api: str, values: Mapping[str, Any], element_size: int = 1) -> None:
-    """Apply `api` and author all of its attributes; `values` by member, `element_size` for per-knot primvars."""
+    """Apply `api` and author all of its attributes; by member; `element_size` is for per-knot primvars."""
     rows = APIS[api].attributes
     if set(values) != set(rows):
         raise KeyError(f"{api}: {sorted(set(values) ^ set(rows))}")
     apply_apis(prim, [api])
     for member, row in rows.items():
-        metadata: dict[str, Any] = {"interpolation": "vertex"} if row.is_primvar else {}
+        metadata: dict[str, Any] = {"customData": {"unit": row.unit}}
+        if row.is_primvar:
+            metadata["interpolation"] = "vertex"
         if row.per_knot:
             metadata["elementSize"] = element_size
         author(prim, row.name, row.usd_type, values[member], uniform=not row.is_primvar, **metadata)
@@ -102,7 +105,7 @@ def schema_values(prim: Usd.Prim, api: str) -> dict[str, Any]:
 
 
 def read_attribute(prim: Usd.Prim, row: SchemaAttribute) -> Any:
-    """One attribute's value: arrays as NumPy (float64, int32, bool or str), vectors as (n,) float64, else plain.
+    """One attribute's value: arrays and vectors as NumPy (float64, int32, bool or str), else plain.
 
     Raises:
         FieldError: it has no value, or the value is of another type than the schema says.
@@ -152,7 +155,7 @@ def prim_name(name: str) -> str:
 
 
 def replace_file(layer: Sdf.Layer, path: Path) -> None:
-    """Write `layer` to `path` (usda or usdc by its suffix): whole or not at all; open stages see the new file."""
+    """Write `layer` to `path` (usda or usdc by its suffix): whole or not at all; open stages see it."""
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:

@@ -14,6 +14,8 @@ import json
 from typing import Any
 
 import numpy as np
+from pxr import Sdf, Usd, UsdGeom
+
 from palpate.fields import usd_deformable
 from palpate.fields.field_error import FieldError
 from palpate.fields.organ_geometry import OrganGeometry, Support, check_organ, organ_hash
@@ -27,7 +29,6 @@ from palpate.fields.usd_layer import (
     prim_name,
     schema_values,
 )
-from pxr import Sdf, Usd, UsdGeom
 
 __all__ = ["exact_points", "organ_from_prim", "organ_layer", "point_attributes"]
 
@@ -39,6 +40,8 @@ def organ_layer(organ: OrganGeometry) -> Sdf.Layer:
     """The geometry layer of an asset.  Raises FieldError where `organ` breaks its contract."""
     check_organ(organ)
     layer, root = new_layer(prim_name(organ.name), comment=f"{organ.name}: geometry, supports, regions")
+    for name, material in organ.region_materials.items():
+        json_text(material, f"region {name!r}: material")
     values = {
         "name": organ.name,
         "material": json_text(organ.material, f"organ {organ.name}: material"),
@@ -66,12 +69,19 @@ def organ_from_prim(root: Usd.Prim) -> OrganGeometry:
     regions = sorted((s for s in cells if s["role"] == "region"), key=lambda s: s["label"])
     tet_indices = np.array(UsdGeom.TetMesh(tetrahedra).GetTetVertexIndicesAttr().Get()).reshape(-1, 4)
     label = np.full(len(tet_indices), -1, np.int32)
+    tets = np.concatenate([region["indices"] for region in regions]) if regions else np.zeros(0, np.int32)
+    if not np.array_equal(np.sort(tets), np.arange(len(tet_indices))):
+        raise FieldError(f"{tetrahedra.GetPath()}: regions do not cover each tet once; a partition is right")
     for region in regions:
         label[region["indices"]] = region["label"]
-    if (label < 0).any():
-        tet = int(np.argmin(label))
-        raise FieldError(f"{tetrahedra.GetPath()}: tet {tet} is in no region; exactly one is right")
     held = {s["label"]: s["indices"] for s in faces if s["role"] == "support"}
+    reach = [s["indices"] for s in faces if s["role"] == "reach"]
+    cell_labels = {s["label"] for s in cells if s["role"] == "support"}
+    if len(reach) != 1 or held.keys() != cell_labels:
+        raise FieldError(
+            f"{surface.GetPath()} has {len(reach)} reach subsets and faces of supports {sorted(held)}; "
+            f"one reach and supports {sorted(cell_labels)} are right"
+        )
     supports = tuple(
         Support(s["name"], s["indices"], held[s["label"]], s["kind"], s["stiffness"])
         for s in sorted((s for s in cells if s["role"] == "support"), key=lambda s: s["label"])
@@ -85,7 +95,7 @@ def organ_from_prim(root: Usd.Prim) -> OrganGeometry:
         supports=supports,
         region_names=tuple(region["name"] for region in regions),
         region_label=label,
-        reach_triangles=next(s["indices"] for s in faces if s["role"] == "reach"),
+        reach_triangles=reach[0],
         material=json.loads(values["material"]),
         region_materials={r["name"]: json.loads(r["material"]) for r in regions if r["material"]},
         provenance=json.loads(values["provenance"]),
@@ -110,7 +120,8 @@ def exact_points(prim: Usd.Prim) -> np.ndarray:
     rounded = np.array(UsdGeom.PointBased(prim).GetPointsAttr().Get()).reshape(-1, 3)
     if len(exact) != len(rounded):
         raise FieldError(
-            f"{prim.GetPath()}: palpate:exactPoints has {len(exact)} points; {len(rounded)}, as in points, is right"
+            f"{prim.GetPath()}: palpate:exactPoints has {len(exact)} points; "
+            f"{len(rounded)}, as in points, is right"
         )
     if not np.array_equal(exact.astype(np.float32), rounded):
         raise FieldError(
@@ -150,7 +161,7 @@ def _tetrahedra(root: Sdf.PrimSpec, organ: OrganGeometry) -> Sdf.PrimSpec:
     author(prim, "primvars:displayColor", "color3f[]", np.float32([TISSUE]), interpolation="constant")
     for i, name in enumerate(organ.region_names):
         material = organ.region_materials.get(name)
-        text = "" if material is None else json_text(material, f"region {name!r}: material")
+        text = "" if material is None else json_text(material, name)
         tets = np.nonzero(np.asarray(organ.region_label) == i)[0]
         subset = _subset(
             prim,
@@ -247,7 +258,7 @@ def _vertex_normals(organ: OrganGeometry) -> np.ndarray:
 
 
 def _surface_faces(organ: OrganGeometry) -> np.ndarray:
-    """(S, 3) faces that belong to one tet only, in the order of the tets, seen counter-clockwise from outside."""
+    """(S, 3) faces of one tet only, in the order of the tets, counter-clockwise seen from outside."""
     corners = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
     faces = np.asarray(organ.tet_indices)[:, corners].reshape(-1, 3)
     _, inverse, count = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)

@@ -6,13 +6,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pxr import Sdf, Tf, Usd
+
 from palpate.fields.field_error import FieldError
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ContactGeometry, ResponseField
 from palpate.fields.usd_layer import check_units, schema_values
 from palpate.fields.usd_organ import organ_from_prim
 from palpate.fields.usd_response import contact_from_prim, field_from_prim
-from pxr import Sdf, Tf, Usd
 
 __all__ = [
     "field_at",
@@ -88,7 +89,7 @@ def interface_path(asset_path: str | Path) -> Path:
     """The interface layer: `asset_path` itself, or the one .usda file in the folder that it names."""
     path = Path(asset_path)
     if path.is_dir():
-        found = sorted(path.glob("*.usda"))
+        found = sorted(p for p in path.glob("*.usda") if not p.name.startswith("."))
         if len(found) != 1:
             names = [p.name for p in found]
             raise FieldError(f"{path} holds {names or 'no .usda file'}; one interface layer is right")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""A response field in USD: contact geometry in a layer that tools share, nodes and derived form in one per tool.
+"""A response field in USD: contact geometry in a layer that tools share, nodes and curves in one per tool.
 
 /<organ>
     Contact                       PalpateContactAPI
@@ -18,6 +18,8 @@ import hashlib
 import json
 
 import numpy as np
+from pxr import Sdf, Usd
+
 from palpate.fields.field_check import check_contact_geometry, check_field
 from palpate.fields.field_error import FieldError
 from palpate.fields.lattice import BLOCK_EDGE, Lattice
@@ -30,7 +32,6 @@ from palpate.fields.response_field import (
 )
 from palpate.fields.usd_layer import author, author_schema, child, json_text, new_layer, schema_values
 from palpate.fields.usd_organ import exact_points, point_attributes
-from pxr import Sdf, Usd
 
 __all__ = ["contact_from_prim", "contact_hash", "contact_layer", "field_from_prim", "field_layer"]
 
@@ -192,7 +193,7 @@ def _nodes(parent: Sdf.PrimSpec, nodes: ResponseNodes) -> None:
     prim = child(parent, "Nodes", "Points")
     width = max(NODE_WIDTH_SHARE * float(np.linalg.norm(np.ptp(nodes.position, axis=0))), 1e-4)
     point_attributes(prim, nodes.position, width)
-    author(prim, "widths", "float[]", [width], interpolation="constant")
+    author(prim, "widths", "float[]", np.full(nodes.node_count, width), interpolation="vertex")
     author(prim, "normals", "normal3f[]", nodes.normal, interpolation="vertex")
     force = nodes.normal_force[:, -1]
     share = ((force - force.min()) / max(float(np.ptp(force)), 1e-300))[:, None]

@@ -17,6 +17,8 @@ import re
 from pathlib import Path
 
 import numpy as np
+from pxr import Sdf
+
 from palpate.fields.field_error import FieldError
 from palpate.fields.organ_geometry import OrganGeometry, organ_hash
 from palpate.fields.response_field import ResponseField
@@ -24,7 +26,6 @@ from palpate.fields.usd_layer import apply_apis, author, new_layer, prim_name, r
 from palpate.fields.usd_organ import organ_layer
 from palpate.fields.usd_read import interface_path, stored_hashes, tools
 from palpate.fields.usd_response import contact_hash, contact_layer, field_layer
-from pxr import Sdf
 
 __all__ = ["add_tool", "write_asset"]
 
@@ -44,7 +45,7 @@ def write_asset(
         path of the interface layer.
 
     Raises:
-        FieldError: organ or field break their contracts, or the folder holds another organ or contact geometry.
+        FieldError: organ or field break their contracts, or the folder holds another asset.
         OSError: a file cannot be written.
     """
     folder = Path(folder)
@@ -53,7 +54,7 @@ def write_asset(
     root = prim_name(organ.name)
     layers = (organ_layer(organ), contact_layer(root, field.geometry))
     tool_layer = field_layer(root, field, organ_hash(organ))
-    if any(folder.glob("*.usda")):
+    if any(not path.name.startswith(".") for path in folder.glob("*.usda")):  # a killed writer leaves .part
         old = interface_path(folder)
         new_hashes = (organ_hash(organ), contact_hash(field.geometry))
         if old.stem == organ.name and stored_hashes(old) == new_hashes:

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Write generatedSchema.usda and plugInfo.json from attributes.toml: `python -m palpate.fields.usd_schema.generate`."""
+"""Write generatedSchema.usda and plugInfo.json from attributes.toml.
+
+Run as `python -m palpate.fields.usd_schema.generate`.
+"""
 
 from __future__ import annotations
 

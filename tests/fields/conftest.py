@@ -1,12 +1,15 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""A small organ (a tetrahedralised box) and random fields of the right shapes, for tests of input and output."""
+"""A small organ (a box of tets) and random fields of the right shapes, for tests of assets."""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 from palpate.fields.lattice import Lattice
 from palpate.fields.organ_geometry import OrganGeometry, Support
@@ -78,7 +81,7 @@ def random_field(
 ) -> ResponseField:
     rng = np.random.default_rng(seed)
     n, k = node_count, knot_count
-    normal = rng.normal(size=(n, 3)) + (0.0, 0.0, 3.0)
+    normal = rng.normal(size=(n, 3)) + np.array([0.0, 0.0, 3.0])
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
 
     def curve(*shape: int) -> np.ndarray:
@@ -131,3 +134,28 @@ def random_field(
             "note": "Größe",
         },
     )
+
+
+@pytest.fixture
+def organ() -> OrganGeometry:
+    return box_organ()
+
+
+@pytest.fixture
+def make_field() -> Callable[..., ResponseField]:
+    return random_field
+
+
+@pytest.fixture
+def make_organ() -> Callable[..., OrganGeometry]:
+    return box_organ
+
+
+@pytest.fixture
+def asset(tmp_path: Path, organ: OrganGeometry) -> Path:
+    """Interface layer of an asset with the tools ball_2mm and ball_5mm."""
+    from palpate.fields.usd_write import add_tool, write_asset
+
+    path = write_asset(tmp_path / "asset", organ, random_field("ball_5mm"))
+    add_tool(tmp_path / "asset", random_field("ball_2mm", seed=3, radius=0.002))
+    return path

@@ -4,7 +4,7 @@
 
 With edges e, face areas A_i, volume V of a tetrahedron:
 
-    dihedral angle at an edge: pi - angle between the outward normals of its two faces
+    dihedral angle at an edge: pi minus the angle between the normals of its two faces
     radius ratio  3 r / R,     r = 3 V / sum A_i,   R = circumradius        (1: regular, 0: flat)
     volume ratio  6 sqrt(2) V / l^3,  l = root mean square edge             (1: regular, 0: flat, < 0: inverted)
 
@@ -28,7 +28,7 @@ _EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
 
 @dataclass(frozen=True)
 class TetQuality:
-    """Per tetrahedron, all (T,): volume m^3; smallest and largest dihedral angle, degrees; ratios from 0 to 1."""
+    """Per tetrahedron, all (T,): volume m^3, smallest and largest dihedral angle in degrees, ratios 0 to 1."""
 
     volume: np.ndarray
     dihedral_min: np.ndarray
@@ -102,11 +102,14 @@ def gate(quality: TetQuality, limits: QualityLimits | None = None) -> list[str]:
     inverted = int(np.sum(quality.volume <= 0.0))
     if inverted:
         reasons.append(f"{inverted} elements are inverted or have no volume")
-    for name, broken, worst, limit, word in (
-        ("dihedral_min", quality.dihedral_min < limits.dihedral_min, quality.dihedral_min.min(), limits.dihedral_min, "below"),
-        ("dihedral_max", quality.dihedral_max > limits.dihedral_max, quality.dihedral_max.max(), limits.dihedral_max, "above"),
-        ("volume_ratio_min", quality.volume_ratio < limits.volume_ratio_min, quality.volume_ratio.min(), limits.volume_ratio_min, "below"),
-    ):  # fmt: skip
-        if broken.any():
-            reasons.append(f"{int(broken.sum())} elements {word} {name} = {limit:g} (worst {worst:.3g})")
+    for name, values, sign in (
+        ("dihedral_min", quality.dihedral_min, 1.0),
+        ("dihedral_max", quality.dihedral_max, -1.0),
+        ("volume_ratio_min", quality.volume_ratio, 1.0),
+    ):
+        limit = getattr(limits, name)
+        broken = int(np.sum(sign * values < sign * limit))
+        if broken:
+            worst = values[np.argmin(sign * values)]
+            reasons.append(f"{broken} elements break {name} = {limit:g} (worst {worst:.3g})")
     return reasons

@@ -4,11 +4,11 @@
 
     phi(q) = s(q) min_{x on surface} |q - x|,      s(q) = -1 where the winding number w(q) > 1/2, else +1
 
-The distance is exact (bounding-box tree).  The sign comes from the fast winding number, which is right however far
-the point is and however sharp the crease; where it is not clear-cut (within a hair of the surface, or close to a
-crease) the angle-weighted pseudonormal at the closest point decides, which is exact for closed surfaces
-(Baerentzen and Aanaes, Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005).
-Winding numbers: Barill et al., Fast Winding Numbers for Soups and Clouds, 2018.
+The distance is exact (bounding-box tree).  The sign comes from the fast winding number, which is right
+however far the point is and however sharp the crease; where it is not clear-cut (within a hair of the
+surface, or close to a crease) the angle-weighted pseudonormal at the closest point decides, which is exact
+for closed surfaces (Baerentzen and Aanaes, Signed Distance Computation Using the Angle Weighted
+Pseudonormal, 2005). Winding numbers: Barill et al., Fast Winding Numbers for Soups and Clouds, 2018.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ import numpy as np
 __all__ = ["SignedDistance", "vertex_normals"]
 
 _UNCLEAR = 0.25
-"""Winding numbers within this of 1/2 are settled by the pseudonormal; their error is below 0.05 at order 2."""
+"""Winding numbers within this of 1/2 are settled by the pseudonormal; their error is far smaller."""
 
 
 def vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """(V, 3) unit normals, each triangle weighted by its angle at the vertex; outward if the triangles are."""
+    """(V, 3) unit normals, each triangle weighted by its angle at the vertex."""
     corners = np.asarray(vertices, float)[np.asarray(triangles)]  # (F, 3 corners, 3)
     normals = np.zeros((len(vertices), 3))
     face = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

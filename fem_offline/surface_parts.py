@@ -39,11 +39,12 @@ class SurfacePart:
 
 
 def load_surface(path: str | Path, units: str = "m") -> list[SurfacePart]:
-    """All triangle meshes of a file that trimesh reads (OBJ, STL, PLY, GLB, ...), transforms applied, in metres.
+    """All triangle meshes of a file that trimesh reads (OBJ, STL, PLY, GLB, ...), transforms applied, in
+    metres.
 
     Raises:
-        SurfaceError: no such file, unknown unit or format, no triangles, numbers that are not finite, or a size
-            that no organ has (a wrong unit).
+        SurfaceError: no such file, unknown unit or format, no triangles, numbers that are not finite, or a
+            size that no organ has (a wrong unit).
     """
     import trimesh
 
@@ -78,8 +79,8 @@ def load_surface(path: str | Path, units: str = "m") -> list[SurfacePart]:
 
 
 def merged(parts: Sequence[SurfacePart], weld: float = 1e-7) -> tuple[np.ndarray, np.ndarray]:
-    """One triangle soup: vertices closer than `weld` (relative to the longest side) become one, triangles of no
-    area go.  (V, 3) m, (F, 3) int32."""
+    """One triangle soup: vertices closer than `weld` (relative to the longest side) become one, triangles
+    of no area go.  (V, 3) m, (F, 3) int32."""
     counts = np.cumsum([0] + [len(part.vertices) for part in parts])
     vertices = np.concatenate([part.vertices for part in parts])
     triangles = np.concatenate([part.triangles + n for part, n in zip(parts, counts[:-1], strict=True)])

@@ -20,8 +20,8 @@ from palpate.fem_offline.surface_parts import components, is_closed
 __all__ = ["TetMesh", "TetReport", "boundary_triangles", "tet_mesh", "tetrahedralise"]
 
 _SURFACE_EDGE = 0.8
-"""The surface is first decimated to triangles of this share of mesh_size: finer ones cost elements and time (40k instead
-of 26k at 8 mm, five times the time) without a better organ."""
+"""The surface is first decimated to triangles of this share of mesh_size: finer ones cost elements and time
+(40k instead of 26k at 8 mm, five times the time) without a better organ."""
 
 _ENVELOPE = 0.1
 """Share of mesh_size by which fTetWild may leave the decimated surface."""

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """fTetWild in a process of its own: it writes a file into its working folder, and may run for very long.
 
-Hu et al., Fast Tetrahedral Meshing in the Wild, SIGGRAPH 2020.  It is not deterministic, not even on one thread
-(measured: 3,938 to 3,942 tets of the same sphere in four runs), so a mesh is made once, kept, and known by its hash.
+Hu et al., Fast Tetrahedral Meshing in the Wild, SIGGRAPH 2020.  It is not deterministic, not even on one
+thread (measured: 3,938 to 3,942 tets of the same sphere in four runs), so a mesh is made once, kept, and
+known by its hash.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ def fill(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Points (P, 3) m and tetrahedra (T, 4) int32, as fTetWild orients them (negatively).
 
-    vertices (V, 3) m, triangles (F, 3); edge m; envelope m, how far the boundary may leave the surface; time_limit s.
+    vertices (V, 3) m, triangles (F, 3); edge m; envelope m, how far the boundary may leave the surface;
+    time_limit s.
 
     Raises:
         MeshError: it fails, or needs longer than `time_limit`.

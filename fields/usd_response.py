@@ -258,11 +258,14 @@ def _read_lattice(prim: Usd.Prim) -> Lattice:
     values = schema_values(prim, "PalpateLatticeAPI")
     shape = tuple(int(v) for v in values["block_shape"])
     index, coefficients, channels = values["block_index"], values["coefficients"], len(values["channels"])
-    blocks = max(int(index.max(initial=-1)) + 1, 0)
+    if not channels:
+        raise FieldError(f"{prim.GetPath()}: palpate:lattice:channels is empty; one name or more is right")
+    per_block = BLOCK_EDGE**3 * channels
+    blocks = max(int(index.max(initial=-1)) + 1, len(coefficients) // per_block)  # rows may be unused
     _length(
         prim, "blockIndex", len(index), int(np.prod(shape)), f"{shape[0]} x {shape[1]} x {shape[2]} blocks"
     )
-    count = blocks * BLOCK_EDGE**3 * channels
+    count = blocks * per_block
     _length(prim, "coefficients", len(coefficients), count, f"{blocks} blocks x 64 x {channels} channels")
     return Lattice(
         origin=values["origin"],

@@ -100,9 +100,10 @@ def _element_counts(prim: Usd.Prim) -> Iterator[str]:
     if _has(prim, "PalpateLatticeAPI"):
         shape = _array(prim, "palpate:lattice:blockShape")
         yield from _count(prim, "palpate:lattice:blockIndex", int(np.prod(shape)))
-        blocks = int(_array(prim, "palpate:lattice:blockIndex").max(initial=-1)) + 1
-        channels = len(prim.GetAttribute("palpate:lattice:channels").Get() or ())
-        yield from _count(prim, "palpate:lattice:coefficients", blocks * BLOCK_EDGE**3 * channels)
+        per_block = BLOCK_EDGE**3 * len(prim.GetAttribute("palpate:lattice:channels").Get() or "?")
+        stored = len(_array(prim, "palpate:lattice:coefficients")) // per_block  # rows may be unused
+        blocks = max(int(_array(prim, "palpate:lattice:blockIndex").max(initial=-1)) + 1, stored)
+        yield from _count(prim, "palpate:lattice:coefficients", blocks * per_block)
     if _has(prim, "PalpateDepthCurvesAPI"):
         curves, intervals = (
             prim.GetAttribute(f"palpate:depthCurves:{name}").Get() or 0

@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""From response nodes and contact geometry to the field that the runtime reads.
+
+1. Krige log(Phi / d^2.5) over the surface at every depth knot, B as gradient data (site_curves.py).
+2. Sample tool positions through the band, predict a curve for each, find a few shared curves and amplitudes.
+3. Fit the amplitudes to a lattice, constant along the normal, tapered C1 to zero beyond the reach.
+4. Measure what that lost, at the nodes and between them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy import ndimage
+
+from palpate.fields.contact_geometry import ScalarField, known_cells
+from palpate.fields.interpolation import evaluate
+from palpate.fields.lattice import ABSENT_UNREACHED, BLOCK_EDGE, Lattice
+from palpate.fields.lattice_fit import LatticeFit, blocks_of, lattice_from_values
+from palpate.fields.lattice_stencil import sample_lattice, stencil
+from palpate.fields.low_rank import low_rank_energy, low_rank_values, second_derivatives
+from palpate.fields.response_field import ContactGeometry, DepthCurves, ResponseField, ResponseNodes, ToolReference
+from palpate.fields.site_curves import SiteCurves
+from palpate.fields.surface_curvature import foot_points
+
+__all__ = ["build_field"]
+
+INTERVALS = 32
+"""Uniform intervals of the shared curves (count); the first ends at 0.5 % of a Hertz contact's deepest force."""
+TAPER_START = 0.3
+"""Share of the margin where the taper begins: the lattice rounds its corner, which must not reach into the reach."""
+NODE_WEIGHT = 4.0
+"""Weight of a sample at a node's own press against one between nodes."""
+SMOOTHING, HOLD = 1e-3, 1e-6
+"""Second and first differences of amplitude coefficients against one sample; only where samples are silent."""
+
+
+def build_field(
+    nodes: ResponseNodes,
+    geometry: ContactGeometry,
+    tool: ToolReference,
+    reach: ScalarField,
+    *,
+    amplitude_spacing: float = 4e-3,
+    rank: int = 3,
+    margin: float = 8e-3,
+    normal_length: float = 20e-3,
+    provenance: dict[str, Any] | None = None,
+) -> ResponseField:
+    """Build the response field.
+
+    Args:
+        nodes: response nodes; their last depth knot is the field's depth_max.
+        geometry: contact geometry that covers the reach plus `margin`.
+        tool: the tool that pressed.
+        reach: (n, 3) -> (n,) m; <= 0 where the scene lets the tool touch, metres beyond elsewhere.
+        amplitude_spacing: m, of the amplitude lattice.
+        rank: shared energy curves (count).
+        margin: m beyond the reach over which amplitudes fall to zero.
+        normal_length: L of the embedding, m (kriging.py).
+        provenance: copied to the field.
+
+    Returns:
+        The field; `representation` holds errors as fractions (see `representation_errors` and `SiteCurves.report`).
+
+    Raises:
+        ValueError: energy or force of a node is not positive at a depth knot above 0, or nothing is in reach.
+    """
+    sites = SiteCurves.from_nodes(nodes, geometry, tool.offset, normal_length)
+    q, surface, normal, kept, cells = band_samples(geometry, tool.offset, reach, amplitude_spacing, margin)
+    held = nodes.position[:, None] + (tool.offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
+    q = np.concatenate([q, held.reshape(-1, 3)])
+    repeat = nodes.depth_knots.size - 1
+    surface = np.concatenate([surface, np.repeat(nodes.position, repeat, axis=0)])
+    normal = np.concatenate([normal, np.repeat(nodes.normal, repeat, axis=0)])
+    kept = np.concatenate([kept, taper(reach(np.repeat(nodes.position, repeat, axis=0)), margin)])
+    weight = np.where(np.arange(len(q)) < len(q) - held.shape[0] * repeat, 1.0, NODE_WEIGHT)
+
+    depth_end = float(nodes.depth_knots[-1])
+    depth = depth_end * (np.arange(2 * INTERVALS) + 1) / (2 * INTERVALS)
+    curves = sites.at(surface, normal, depth)
+    second = second_derivatives(depth, curves.energy, curves.force, depth_end, INTERVALS, convex=sites.convex)
+    energy = low_rank_energy(second, depth_end, rank)
+    stiffness_curves, stiffness = shared_or_zero(curves.friction_stiffness, depth_end, 2)
+    friction_curves, friction = shared_or_zero(curves.friction_coefficient, depth_end, 2)
+
+    targets = np.concatenate([energy.amplitudes, stiffness, friction], axis=1) * kept[:, None]
+    deepest = curves.force[:, -1]
+    weight = weight * (np.exp(np.mean(np.log(deepest))) / deepest) ** 2
+    amplitudes = amplitude_lattice(q, targets, weight, cells, amplitude_spacing)
+    field = ResponseField(
+        tool, geometry, nodes, energy.curves, stiffness_curves, friction_curves, amplitudes, depth_end,
+        {}, dict(provenance or {}),
+    )
+    inside = kept == 1.0
+    field.representation.update(sites.report())
+    field.representation["low_rank_force_p95"] = energy.error_p95
+    field.representation.update(representation_errors(field, sites, q[inside], surface[inside], normal[inside]))
+    return field
+
+
+def taper(beyond: np.ndarray, margin: float) -> np.ndarray:
+    """1 in reach and a little beyond, 0 from `margin` on, C1 between.
+
+    1 - 3 x^2 + 2 x^3 with x from 0 at TAPER_START margins to 1 at one margin.
+    """
+    x = np.clip((np.asarray(beyond, dtype=float) / margin - TAPER_START) / (1.0 - TAPER_START), 0.0, 1.0)
+    return 1.0 - x * x * (3.0 - 2.0 * x)
+
+
+def band_samples(
+    geometry: ContactGeometry, offset: float, reach: ScalarField, spacing: float, margin: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Tool positions where the amplitudes are to be known.
+
+    Returns:
+        Of the samples, at most one in each (spacing / 2)^3 of the band: position (n, 3) m, surface point (n, 3) m,
+        normal (n, 3), taper (n,).  Then all positions (m, 3) m that the geometry knows, in contact or nearly, and
+        not beyond the margin: each one's coefficients must exist.
+    """
+    lattice = geometry.signed_distance
+    points = lattice.origin + (known_cells(lattice) + 0.5) * lattice.spacing
+    phi = sample_lattice(lattice, points).value[:, 0]
+    points, phi = points[phi < offset + lattice.spacing], phi[phi < offset + lattice.spacing]
+    surface, normal = foot_points(geometry, points)
+    kept = taper(reach(surface), margin)
+    if not (kept > 0).any():
+        raise ValueError("response field: no tool position in contact lies within the reach")
+    sampled = phi > geometry.band[0] - 0.5 * spacing
+    voxel = np.floor(points[sampled] / (0.5 * spacing)).astype(np.int64)
+    _, first = np.unique(voxel, axis=0, return_index=True)
+    chosen = np.flatnonzero(sampled)[np.sort(first)]
+    return points[chosen], surface[chosen], normal[chosen], kept[chosen], points[kept > 0]
+
+
+def shared_or_zero(values: np.ndarray, depth_end: float, rank: int) -> tuple[DepthCurves, np.ndarray]:
+    """Shared curves and amplitudes of positive `values` (S, M + 1); a constant curve where depth does not matter."""
+    usual = values.mean(axis=0)
+    if not values.any():
+        return DepthCurves(depth_end, np.zeros((1, INTERVALS, 4))), np.zeros((len(values), 1))
+    if np.ptp(values, axis=1).max() < 1e-9 * usual.max():
+        constant = np.zeros((1, INTERVALS, 4))
+        constant[..., 0] = 1.0
+        return DepthCurves(depth_end, constant), values[:, :1].copy()
+    result = low_rank_values(values, depth_end, rank)
+    return result.curves, result.amplitudes
+
+
+def amplitude_lattice(
+    q: np.ndarray, targets: np.ndarray, weight: np.ndarray, cells: np.ndarray, spacing: float
+) -> Lattice:
+    """Fit channels `targets` (n, C) at `q` (n, 3); every coefficient that `cells` (m, 3) points touch exists.
+
+    Two more coefficients all round are stored as zeros, so that a cell that touches an absent block is zero
+    altogether and it does not matter whether a reader takes an absent block for zeros or the whole cell.
+    """
+    origin = np.floor(np.minimum(q.min(axis=0), cells.min(axis=0)) / spacing) * spacing - 4 * spacing
+    top = np.maximum(q.max(axis=0), cells.max(axis=0)) + 5 * spacing
+    shape = BLOCK_EDGE * np.ceil((top - origin) / (BLOCK_EDGE * spacing)).astype(int)
+    wanted = np.zeros(tuple(shape), dtype=bool)
+    wanted[tuple(stencil(cells, origin, spacing).index.reshape(-1, 3).T)] = True
+    fit = LatticeFit(origin, spacing, wanted)
+    coefficients = fit.solve(q, targets, weight, smoothing=SMOOTHING, hold=HOLD)
+    dense = np.zeros((*wanted.shape, targets.shape[1]))
+    dense[tuple(fit.index.T)] = coefficients
+    present = blocks_of(ndimage.binary_dilation(wanted, np.ones((5, 5, 5))))
+    return lattice_from_values(origin, spacing, dense, present, np.full(present.shape, ABSENT_UNREACHED))
+
+
+def representation_errors(
+    field: ResponseField, sites: SiteCurves, q: np.ndarray, surface: np.ndarray, normal: np.ndarray
+) -> dict[str, float]:
+    """What the lattice and the shared curves lost.
+
+    At the nodes' own presses, as fractions of the node's deepest force: `node_force_*` (normal), `node_lateral_*`
+    (against B), and of its deepest energy: `node_energy_*`.  At samples between, against the kriged curve at
+    the same place and depth, relative to the force there: `site_force_*`.  `falling_force_share`: share of samples
+    where Phi'' < 0 though no node has it.
+    """
+    nodes = field.nodes
+    knots = nodes.depth_knots[1:]
+    at = (nodes.position[:, None] + (field.tool.offset - knots[None, :, None]) * nodes.normal[:, None]).reshape(-1, 3)
+    said = evaluate(field, at)
+    shape = (nodes.node_count, len(knots))
+    deepest = nodes.normal_force[:, -1:]
+    n = np.repeat(nodes.normal, len(knots), axis=0)
+    normal_part = np.sum(said.force * n, axis=1)
+    lateral = (said.gradient + normal_part[:, None] * n).reshape(*shape, 3)
+    reached = knots[None] <= nodes.depth_reached[:, None] * (1 + 1e-6)
+    measured = {
+        "node_force": np.abs(normal_part.reshape(shape) - nodes.normal_force[:, 1:]) / deepest,
+        "node_energy": np.abs(said.energy.reshape(shape) - nodes.stored_energy[:, 1:]) / nodes.stored_energy[:, -1:],
+        "node_lateral": np.linalg.norm(lateral - nodes.lateral_gradient[:, 1:], axis=-1) / deepest,
+    }
+    out: dict[str, float] = {}
+    for name, error in measured.items():
+        out[f"{name}_p95"] = float(np.quantile(error[reached], 0.95))
+        out[f"{name}_max"] = float(error[reached].max())
+    said = evaluate(field, q)
+    depth = said.depth
+    felt = said.valid & (depth > 0.15 * field.depth_max) & (depth <= field.depth_max)
+    if felt.any():
+        expected = sites.at_own_depth(surface[felt], normal[felt], depth[felt])
+        error = np.abs(said.normal_force[felt] / expected - 1.0)
+        out["site_force_p95"] = float(np.quantile(error, 0.95))
+        out["site_force_max"] = float(error.max())
+    return out

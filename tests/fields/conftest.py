@@ -108,7 +108,7 @@ def random_field(
         pressed=pressed,
         residual=rng.random(n),
         press_hash=np.array(
-            [hashlib.sha256(bytes([i])).hexdigest() if p else "" for i, p in enumerate(pressed)]
+            [hashlib.sha256(str(i).encode()).hexdigest() if p else "" for i, p in enumerate(pressed)]
         ),
     )
     energy, stiffness, friction = shared(3), shared(2), shared(1)

@@ -18,6 +18,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 from palpate.fields.field_error import FieldError
 from palpate.fields.usd_read import field_at, read_contact, read_field, read_organ, tools
+from palpate.fields.usd_validators import asset_errors
 from palpate.fields.usd_write import write_asset
 
 
@@ -64,6 +65,15 @@ def test_any_shape_and_any_magnitude_comes_back(
     field = dataclasses.replace(field, nodes=scaled)
     path = write_asset(tmp_path_factory.mktemp("asset"), make_organ(), field)
     assert_same(field, read_field(path, "ball"))
+
+
+def test_rows_that_no_block_uses_come_back_too(tmp_path, organ, make_field):
+    field = make_field()
+    index = np.where(field.amplitudes.block_index == 1, np.int32(-1), field.amplitudes.block_index)
+    field = dataclasses.replace(field, amplitudes=dataclasses.replace(field.amplitudes, block_index=index))
+    path = write_asset(tmp_path, organ, field)
+    assert_same(field, read_field(path, "ball_5mm"))
+    assert asset_errors(path) == []
 
 
 def test_a_negative_zero_comes_back_as_zero(tmp_path, organ, make_field):

@@ -139,7 +139,7 @@ def _surface(root: Sdf.PrimSpec, organ: OrganGeometry) -> None:
     author(prim, "subdivisionScheme", "token", "none", uniform=True)
     author(prim, "orientation", "token", "rightHanded", uniform=True)
     author(prim, "normals", "normal3f[]", _vertex_normals(organ), interpolation="vertex")
-    colour = np.tile(np.float32(TISSUE), (len(organ.triangles), 1))
+    colour = np.tile(np.array(TISSUE), (len(organ.triangles), 1))
     colour[organ.reach_triangles] = REACHABLE
     for support in organ.supports:
         colour[support.triangle_indices] = HELD
@@ -158,7 +158,7 @@ def _tetrahedra(root: Sdf.PrimSpec, organ: OrganGeometry) -> Sdf.PrimSpec:
     author(prim, "orientation", "token", "rightHanded", uniform=True)
     author(prim, "surfaceFaceVertexIndices", "int3[]", _surface_faces(organ))
     author(prim, "purpose", "token", "guide", uniform=True)
-    author(prim, "primvars:displayColor", "color3f[]", np.float32([TISSUE]), interpolation="constant")
+    author(prim, "primvars:displayColor", "color3f[]", [TISSUE], interpolation="constant")
     for i, name in enumerate(organ.region_names):
         material = organ.region_materials.get(name)
         text = "" if material is None else json_text(material, name)

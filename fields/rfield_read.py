@@ -1,0 +1,95 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""An .rfield back as arrays, for inspection and for tests that must not trust the runtime.
+
+What comes back has exactly the numbers that the runtime uses (int16 counts decoded, float32 amplitudes).
+Node curves are not in a cooked file, so `nodes` is empty.  The runtime's `open` is what proves a file; this
+reader checks size, magic, version, layout and checksum only.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from palpate.fields.lattice import Lattice
+from palpate.fields.response_field import (
+    ContactGeometry,
+    DepthCurves,
+    ResponseField,
+    ResponseNodes,
+    ToolReference,
+)
+from palpate.fields.rfield_layout import HEADER_DTYPE, LAYOUT_HASH, MAGIC, SECTIONS, VERSION
+
+__all__ = ["RFieldError", "read_header", "read_rfield"]
+
+_DTYPES = {"i32": "<i4", "i16": "<i2", "f32": "<f4", "f64": "<f8", "char": "S1"}
+
+
+class RFieldError(ValueError):
+    """The bytes are not an .rfield of this version; the message says what is wrong."""
+
+
+def read_header(source: bytes | str | os.PathLike) -> np.ndarray:
+    """The header as a NumPy structure (see `rfield_layout.HEADER` for names and units).
+
+    Raises:
+        RFieldError: truncated, not an .rfield, another version or layout, or damaged.
+    """
+    data = source if isinstance(source, bytes) else Path(source).read_bytes()
+    if len(data) < HEADER_DTYPE.itemsize:
+        raise RFieldError(f"{len(data)} bytes: shorter than the header of {HEADER_DTYPE.itemsize}")
+    header = np.frombuffer(data, dtype=HEADER_DTYPE, count=1)[0]
+    if header["magic"] != MAGIC:
+        raise RFieldError("not an .rfield: the first bytes are not PALPRFLD")
+    if header["version"] != VERSION or header["layout_hash"] != LAYOUT_HASH:
+        raise RFieldError(f"version {header['version']} of the layout; this palpate reads version {VERSION}: cook again")
+    if header["file_size"] != len(data):
+        raise RFieldError(f"{len(data)} bytes where the header says {header['file_size']}: truncated or appended to")
+    blank = header.copy()
+    blank["checksum"] = 0
+    if zlib.crc32(data[HEADER_DTYPE.itemsize :], zlib.crc32(blank.tobytes())) != header["checksum"]:
+        raise RFieldError("the checksum does not fit: the file is damaged")
+    return header
+
+
+def read_rfield(source: bytes | str | os.PathLike) -> ResponseField:
+    """The cooked field with empty `nodes`; see `read_header` for errors."""
+    data = source if isinstance(source, bytes) else Path(source).read_bytes()
+    h = read_header(data)
+    arrays = {}
+    for i, s in enumerate(SECTIONS):
+        arrays[s.name] = np.frombuffer(
+            data, _DTYPES[s.kind], count=int(h["section_elements"][i]), offset=int(h["section_offset"][i])
+        )
+    phi = h["geometry_bias"] + h["geometry_scale"] * arrays["geometry_coefficients"].astype(float)
+    channels = sum(int(h[f"{k}_curve_count"]) for k in ("energy", "stiffness", "friction"))
+    rows = arrays["amplitude_coefficients"].astype(float).reshape(-1, 4, 4, 4, int(h["channel_stride"]))
+    row_of = arrays["amplitude_index"].reshape(h["amplitude_blocks"])
+    curves = {}
+    for k in ("energy", "stiffness", "friction"):
+        c = arrays[f"{k}_curves"].reshape(int(h[f"{k}_intervals"]) + 1, int(h[f"{k}_curve_count"]), 4)
+        curves[k] = DepthCurves(float(h[f"{k}_depth_end"]), np.swapaxes(c[:-1], 0, 1).copy())
+    empty = np.zeros((0, 0))
+    return ResponseField(
+        tool=ToolReference(h["tool_name"].decode(), h["tool_shape"].decode(), float(h["tool_offset"]), {},
+                           h["tool_hash"].decode()),
+        geometry=ContactGeometry(
+            Lattice(h["geometry_origin"].copy(), float(h["geometry_spacing"]),
+                    arrays["geometry_index"].reshape(h["geometry_blocks"]), phi.reshape(-1, 4, 4, 4, 1)),
+            h["band"].copy(), float(h["geometry_error_p99"]), float(h["geometry_flagged_share"])),
+        nodes=ResponseNodes(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), empty, empty, np.zeros((0, 0, 3)),
+                            empty, empty, np.zeros(0), np.zeros(0, bool), np.zeros(0), np.zeros(0, str)),
+        energy_curves=curves["energy"],
+        stiffness_curves=curves["stiffness"],
+        friction_curves=curves["friction"],
+        amplitudes=Lattice(h["amplitude_origin"].copy(), float(h["amplitude_spacing"]),
+                           np.where(row_of == 0, -1, row_of).astype(np.int32), rows[..., :channels].copy()),
+        depth_max=float(h["depth_max"]),
+        provenance=json.loads(arrays["provenance"].tobytes().decode()),
+    )  # fmt: skip

@@ -1,0 +1,274 @@
+/* SPDX-FileCopyrightText: 2026 The palpate authors
+ * SPDX-License-Identifier: Apache-2.0
+ *
+ * palpate runtime: renders a cooked response field (.rfield) inside a haptic servo loop.
+ *
+ *   palpate_field    immutable; opened from memory or a file; shared by any number of threads.
+ *   palpate_session  one per tool in a hand; lives in memory that the caller supplies; one thread at a time.
+ *   palpate_tick     one servo tick: where the tool is -> force on the hand.
+ *
+ * Units and axes: SI (m, s, N, J, rad), the organ's own right-handed axes, quaternions x y z w.  Forces and torques
+ * are those ON the tool, hence on the hand that holds it.  A host with other units or axes converts outside.
+ *
+ * Energy: with q_k the tool's reference point and f_k the force sent at tick k, the hand's work is
+ * W = - sum f_k . (q_{k+1} - q_k).  Over any path, for any friction and any field that opens,
+ *     W + hold_leak = stored_energy(end) - stored_energy(start) + dissipated_friction + dissipated_rule,
+ * both dissipations >= 0; hold_leak is what holding the force constant over a tick gave or took, at most
+ * 1/2 stiffness_max |q_{k+1} - q_k|^2 for each tick within depth_max.  Nothing else is created.
+ *
+ * Threads: a field may be used by any number of threads at once.  Calls on one session must not overlap; calls on
+ * different sessions may.  palpate_tick, palpate_tick_batch, palpate_field_sample and the palpate_session_* functions
+ * do not allocate, lock, throw, wait, print or enter the operating system; palpate_field_open* and _close may.
+ *
+ * Structs begin with their size: set `size` to sizeof the struct as compiled.  A struct smaller than the library's
+ * own is refused; a larger one is accepted and its tail left alone.
+ */
+#ifndef PALPATE_PALPATE_H
+#define PALPATE_PALPATE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#if defined(PALPATE_BUILD)
+#define PALPATE_API __declspec(dllexport)
+#else
+#define PALPATE_API __declspec(dllimport)
+#endif
+#else
+#define PALPATE_API __attribute__((visibility("default")))
+#endif
+
+#ifdef __cplusplus
+#define PALPATE_NOEXCEPT noexcept
+extern "C" {
+#else
+#define PALPATE_NOEXCEPT
+#endif
+
+/* Changes when a struct or a function changes in a way that compiled code would notice. */
+#define PALPATE_ABI_VERSION 1u
+
+typedef struct palpate_field palpate_field;
+typedef struct palpate_session palpate_session;
+
+/* What a call that can fail returns.  palpate_status_text has one sentence for each. */
+typedef enum palpate_status {
+    PALPATE_OK = 0,
+    PALPATE_BAD_ARGUMENT = 1,    /* a null pointer, a struct of the wrong size, memory too small or misaligned */
+    PALPATE_FILE_UNREADABLE = 2, /* the file is not there or cannot be read */
+    PALPATE_OUT_OF_MEMORY = 3,
+    PALPATE_TRUNCATED = 4,    /* fewer or more bytes than the header says */
+    PALPATE_NOT_RFIELD = 5,   /* the first bytes are not those of an .rfield */
+    PALPATE_WRONG_VERSION = 6, /* cooked by a version with another layout: cook again */
+    PALPATE_DAMAGED = 7,      /* the checksum does not fit */
+    PALPATE_BAD_LAYOUT = 8,   /* sizes, counts or offsets contradict each other */
+    PALPATE_BAD_INDEX = 9,    /* a block index points outside the stored blocks */
+    PALPATE_NOT_FINITE = 10,  /* a number is not finite or beyond any physical size */
+    PALPATE_BAD_CURVE = 11    /* a depth curve does not start at zero or is not continuous */
+} palpate_status;
+
+/* ---- library ------------------------------------------------------------------------------------------------- */
+
+/* PALPATE_ABI_VERSION as compiled into the library. */
+PALPATE_API uint32_t palpate_abi_version(void) PALPATE_NOEXCEPT;
+
+/* "major.minor.patch"; static. */
+PALPATE_API const char* palpate_version(void) PALPATE_NOEXCEPT;
+
+/* One sentence for a status; static; never null, unknown values included. */
+PALPATE_API const char* palpate_status_text(palpate_status status) PALPATE_NOEXCEPT;
+
+/* One sentence for the lowest PALPATE_TICK_ bit set in `tick_status`; static; never null. */
+PALPATE_API const char* palpate_tick_text(uint32_t tick_status) PALPATE_NOEXCEPT;
+
+/* A row of palpate_abi_table: where a field of a struct of this header lies, in bytes.  Rows with an empty
+ * field_name give a struct's whole size.  For bindings in other languages to check themselves against. */
+typedef struct palpate_abi_row {
+    const char* struct_name;
+    const char* field_name;
+    size_t offset;
+    size_t size;
+} palpate_abi_row;
+
+/* The table; static; its length in *count.  Null when count is null. */
+PALPATE_API const palpate_abi_row* palpate_abi_table(size_t* count) PALPATE_NOEXCEPT;
+
+/* ---- field --------------------------------------------------------------------------------------------------- */
+
+/* Flag for palpate_field_open: use `data` in place instead of copying it.  It must be aligned to 64 bytes, stay
+ * unchanged and outlive the field.  Mapping a file is the caller's choice: if someone truncates a mapped file, the
+ * reader dies (SIGBUS). */
+#define PALPATE_OPEN_IN_PLACE 1u
+
+/* Opens a field from `size` bytes of an .rfield (copied unless PALPATE_OPEN_IN_PLACE), proving everything that a
+ * tick relies on: sizes, checksum, block indices, finite numbers, curves that start at zero and are continuous.
+ * On success *field is the field, to be closed by palpate_field_close.  On failure *field is null and `message`
+ * (when not null) holds one sentence, cut to message_size bytes with its NUL. */
+PALPATE_API palpate_status palpate_field_open(const void* data, size_t size, uint32_t flags, palpate_field** field,
+                                              char* message, size_t message_size) PALPATE_NOEXCEPT;
+
+/* The same, reading the whole file `path` (UTF-8; on Windows the active code page). */
+PALPATE_API palpate_status palpate_field_open_file(const char* path, palpate_field** field, char* message,
+                                                   size_t message_size) PALPATE_NOEXCEPT;
+
+/* Frees the field.  No session may use it afterwards.  Null is allowed. */
+PALPATE_API void palpate_field_close(palpate_field* field) PALPATE_NOEXCEPT;
+
+typedef struct palpate_field_info {
+    uint32_t size;
+    uint32_t channel_count;      /* amplitude channels: energy, stiffness and friction curves together */
+    const char* tool_name;       /* strings live as long as the field */
+    const char* tool_shape;
+    const char* tool_hash;
+    const char* field_hash;
+    const char* provenance;      /* JSON, UTF-8, not NUL-terminated */
+    uint64_t provenance_size;    /* bytes */
+    uint64_t bytes;              /* of the whole .rfield */
+    double tool_offset;          /* rho, m: depth = rho - phi(q) */
+    double depth_max;            /* m; deepest press; beyond, curves continue and the tick says so */
+    double stiffness_max;        /* sigma, N/m; largest stiffness up to depth_max */
+    double band[2];              /* m; smallest and largest signed distance meant to be read */
+    double box_min[3];           /* m; the geometry lattice's box; space beyond it is free */
+    double box_max[3];
+    double geometry_spacing;     /* m */
+    double amplitude_spacing;    /* m */
+    double geometry_error_p99;   /* m */
+    double geometry_flagged_share; /* fraction of the band where |grad phi| < 0.9 */
+    uint64_t geometry_blocks_stored;
+    uint64_t amplitude_blocks_stored; /* the zero block included */
+} palpate_field_info;
+
+/* Fills *info; info->size must be set. */
+PALPATE_API palpate_status palpate_field_describe(const palpate_field* field, palpate_field_info* info) PALPATE_NOEXCEPT;
+
+/* Where a point is. */
+typedef enum palpate_region {
+    PALPATE_REGION_OUTSIDE = 0,   /* free space where nothing is stored */
+    PALPATE_REGION_FREE = 1,      /* in the band, not touching: depth <= 0 */
+    PALPATE_REGION_CONTACT = 2,   /* depth > 0 */
+    PALPATE_REGION_DEEP = 3,      /* in the tissue, deeper than anything stored */
+    PALPATE_REGION_UNREACHED = 4, /* near a surface that the scene declares out of reach; no force there */
+    PALPATE_REGION_UNKNOWN = 5    /* the input was not usable */
+} palpate_region;
+
+/* The field at a point, without state and without friction's history. */
+typedef struct palpate_sample {
+    uint32_t size;
+    uint32_t region;             /* palpate_region */
+    double depth;                /* m; rho - phi(q); 0 where region is not FREE or CONTACT */
+    double normal[3];            /* unit, out of the tissue; 0 where undefined */
+    double distance_gradient[3]; /* grad phi, not normalised */
+    double stored_energy;        /* U(q), J */
+    double force[3];             /* -grad U(q), N */
+    double normal_force;         /* force . normal, N */
+    double stiffness;            /* d2U/dd2 at fixed amplitudes, N/m */
+    double friction_stiffness;   /* k(q), N/m, >= 0 */
+    double friction_coefficient; /* mu(q), >= 0 */
+} palpate_sample;
+
+/* Samples the field at `count` reference points q (count x 3, m).  samples[0].size must be set; it is the distance in
+ * bytes from one sample to the next, and every sample's size is set on return.  For validation, not for servo loops:
+ * it uses the tick's own arithmetic.  A point that is not finite has region UNKNOWN and zeros. */
+PALPATE_API palpate_status palpate_field_sample(const palpate_field* field, const double* q, size_t count,
+                                                palpate_sample* samples) PALPATE_NOEXCEPT;
+
+/* ---- session ------------------------------------------------------------------------------------------------- */
+
+typedef struct palpate_config {
+    uint32_t size;
+    uint32_t reserved;            /* 0 */
+    double reference_point[3];    /* m, in the grip's frame: the tool's reference point (ball: its centre) */
+    double friction_coefficient;  /* >= 0 replaces the field's mu; negative: the field's own (default) */
+    double speed_max;             /* m/s; a faster move is a jump (default 10); 0: no limit */
+    double dt_max;                /* s; a longer tick is stale (default 0.1) */
+} palpate_config;
+
+/* Sets *config to the defaults above, reference point at the grip; sets config->size. */
+PALPATE_API void palpate_config_default(palpate_config* config) PALPATE_NOEXCEPT;
+
+/* Bytes that a session needs (about 0.4 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
+ * snapshot that can be ticked, replayed or restored in the same process while the field is open. */
+PALPATE_API size_t palpate_session_size(void) PALPATE_NOEXCEPT;
+
+/* Makes a session in `memory` (`size` >= palpate_session_size() bytes, aligned to 8) and returns it in *session.
+ * The field must outlive it.  `config` may be null for the defaults.  There is nothing to free.
+ * A fresh session feels nothing until its tool has been outside the tissue once. */
+PALPATE_API palpate_status palpate_session_init(void* memory, size_t size, const palpate_field* field,
+                                                const palpate_config* config, palpate_session** session) PALPATE_NOEXCEPT;
+
+/* Back to the state after palpate_session_init, accounts at zero. */
+PALPATE_API palpate_status palpate_session_reset(palpate_session* session) PALPATE_NOEXCEPT;
+
+/* Copies the session's bytes to `memory` (as in palpate_session_init) and returns the copy in *snapshot. */
+PALPATE_API palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
+                                                    palpate_session** snapshot) PALPATE_NOEXCEPT;
+
+/* ---- tick ---------------------------------------------------------------------------------------------------- */
+
+/* Input flags. */
+#define PALPATE_INPUT_POSITION_ONLY 1u /* orientation is not read; the grip's axes are the organ's */
+#define PALPATE_INPUT_RELEASE 2u       /* let go: zero force now, contact again only from outside (a clutch) */
+
+typedef struct palpate_tool_state {
+    uint32_t size;
+    uint32_t flags;        /* PALPATE_INPUT_ */
+    double dt;             /* s since the last tick; > 0 and <= dt_max */
+    double position[3];    /* m; the grip */
+    double orientation[4]; /* x y z w; length 1 within 1 % (it is normalised) */
+} palpate_tool_state;
+
+/* Tick status bits; 0 is an ordinary tick.  Those marked * mean zero force. */
+#define PALPATE_TICK_EXTRAPOLATED 1u    /* deeper than depth_max: the curves continue beyond the presses */
+#define PALPATE_TICK_SLIPPING 2u        /* the friction spring yielded in this tick */
+#define PALPATE_TICK_UNREACHED 4u       /* * the tool is where nothing was pressed */
+#define PALPATE_TICK_TOO_DEEP 8u        /* * deeper than the stored band: released; back only from outside */
+#define PALPATE_TICK_PASSED_THROUGH 16u /* * the stroke went through tissue, or turned its normal over: released */
+#define PALPATE_TICK_WAITING 32u        /* * in the tissue without having entered from outside */
+#define PALPATE_TICK_JUMP 64u           /* * faster than speed_max, or too long a stroke to be checked: released */
+#define PALPATE_TICK_STALE 128u         /* * dt longer than dt_max: released */
+#define PALPATE_TICK_BAD_INPUT 256u     /* * a number that is not finite, dt <= 0, or no unit quaternion: released */
+#define PALPATE_TICK_RELEASED 512u      /* * PALPATE_INPUT_RELEASE was set */
+#define PALPATE_TICK_BAD_ARGUMENT 1024u /* a null pointer or a struct too small: nothing was read or written */
+
+typedef struct palpate_tool_response {
+    uint32_t size;
+    uint32_t status;             /* PALPATE_TICK_ bits */
+    uint32_t region;             /* palpate_region of the reference point */
+    uint32_t reserved;
+    double force[3];             /* N, on the hand: -grad U - k s */
+    double torque[3];            /* N m, about the grip: (reference_point - position) x force */
+    double reference_point[3];   /* m; q; the last usable one on bad input */
+    double anchor[3];            /* m; where the friction spring holds: q - s; q itself when not touching */
+    double normal[3];            /* unit, out of the tissue; 0 when not in contact */
+    double depth;                /* m; <= 0 when free; 0 where unknown */
+    double normal_force;         /* N; -grad U . normal */
+    double stiffness;            /* N/m; d2U/dd2 */
+    double friction_stiffness;   /* N/m; k */
+    double friction_coefficient; /* mu in use */
+    double stored_energy;        /* J; U + 1/2 k |s|^2 */
+    double spring_energy;        /* J; 1/2 k |s|^2 */
+    /* Accounts since init or reset, J. */
+    double work_in;              /* by the hand: - sum f . dq */
+    double dissipated_friction;  /* by slip, growing stiffness, lift-off of a stretched spring */
+    double dissipated_rule;      /* by releases: what was stored when contact was given up */
+    double hold_leak;            /* by holding the force constant over ticks; signed */
+} palpate_tool_response;
+
+/* One servo tick.  state->size and response->size must be set.  Returns response->status.  Never fails otherwise:
+ * on bad input the force is zero and the status says why, and contact comes back only from outside.
+ * Time: bounded; one evaluation of the field, and one look along the segment from the last point for each geometry
+ * spacing that the tool moved beyond the first (at most 256, then PALPATE_TICK_JUMP). */
+PALPATE_API uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state,
+                                  palpate_tool_response* response) PALPATE_NOEXCEPT;
+
+/* `count` ticks in a row, for recorded traces.  states[0].size and responses[0].size give the distances in bytes from one
+ * element to the next; the size in every state must be set.  Returns all status bits that occurred, or-ed. */
+PALPATE_API uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states,
+                                        palpate_tool_response* responses, size_t count) PALPATE_NOEXCEPT;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// What a caller can ask about the library itself: version, sentences, where the fields of its structs lie.
+#include "palpate/palpate.h"
+
+#define PALPATE_ROW(type, field) {#type, #field, offsetof(type, field), sizeof(type::field)}
+#define PALPATE_SIZE(type) {#type, "", 0, sizeof(type)}
+
+namespace {
+
+constexpr palpate_abi_row table[] = {
+    PALPATE_SIZE(palpate_field_info),
+    PALPATE_ROW(palpate_field_info, size),
+    PALPATE_ROW(palpate_field_info, channel_count),
+    PALPATE_ROW(palpate_field_info, tool_name),
+    PALPATE_ROW(palpate_field_info, tool_shape),
+    PALPATE_ROW(palpate_field_info, tool_hash),
+    PALPATE_ROW(palpate_field_info, field_hash),
+    PALPATE_ROW(palpate_field_info, provenance),
+    PALPATE_ROW(palpate_field_info, provenance_size),
+    PALPATE_ROW(palpate_field_info, bytes),
+    PALPATE_ROW(palpate_field_info, tool_offset),
+    PALPATE_ROW(palpate_field_info, depth_max),
+    PALPATE_ROW(palpate_field_info, stiffness_max),
+    PALPATE_ROW(palpate_field_info, band),
+    PALPATE_ROW(palpate_field_info, box_min),
+    PALPATE_ROW(palpate_field_info, box_max),
+    PALPATE_ROW(palpate_field_info, geometry_spacing),
+    PALPATE_ROW(palpate_field_info, amplitude_spacing),
+    PALPATE_ROW(palpate_field_info, geometry_error_p99),
+    PALPATE_ROW(palpate_field_info, geometry_flagged_share),
+    PALPATE_ROW(palpate_field_info, geometry_blocks_stored),
+    PALPATE_ROW(palpate_field_info, amplitude_blocks_stored),
+    PALPATE_SIZE(palpate_sample),
+    PALPATE_ROW(palpate_sample, size),
+    PALPATE_ROW(palpate_sample, region),
+    PALPATE_ROW(palpate_sample, depth),
+    PALPATE_ROW(palpate_sample, normal),
+    PALPATE_ROW(palpate_sample, distance_gradient),
+    PALPATE_ROW(palpate_sample, stored_energy),
+    PALPATE_ROW(palpate_sample, force),
+    PALPATE_ROW(palpate_sample, normal_force),
+    PALPATE_ROW(palpate_sample, stiffness),
+    PALPATE_ROW(palpate_sample, friction_stiffness),
+    PALPATE_ROW(palpate_sample, friction_coefficient),
+    PALPATE_SIZE(palpate_config),
+    PALPATE_ROW(palpate_config, size),
+    PALPATE_ROW(palpate_config, reserved),
+    PALPATE_ROW(palpate_config, reference_point),
+    PALPATE_ROW(palpate_config, friction_coefficient),
+    PALPATE_ROW(palpate_config, speed_max),
+    PALPATE_ROW(palpate_config, dt_max),
+    PALPATE_SIZE(palpate_tool_state),
+    PALPATE_ROW(palpate_tool_state, size),
+    PALPATE_ROW(palpate_tool_state, flags),
+    PALPATE_ROW(palpate_tool_state, dt),
+    PALPATE_ROW(palpate_tool_state, position),
+    PALPATE_ROW(palpate_tool_state, orientation),
+    PALPATE_SIZE(palpate_tool_response),
+    PALPATE_ROW(palpate_tool_response, size),
+    PALPATE_ROW(palpate_tool_response, status),
+    PALPATE_ROW(palpate_tool_response, region),
+    PALPATE_ROW(palpate_tool_response, reserved),
+    PALPATE_ROW(palpate_tool_response, force),
+    PALPATE_ROW(palpate_tool_response, torque),
+    PALPATE_ROW(palpate_tool_response, reference_point),
+    PALPATE_ROW(palpate_tool_response, anchor),
+    PALPATE_ROW(palpate_tool_response, normal),
+    PALPATE_ROW(palpate_tool_response, depth),
+    PALPATE_ROW(palpate_tool_response, normal_force),
+    PALPATE_ROW(palpate_tool_response, stiffness),
+    PALPATE_ROW(palpate_tool_response, friction_stiffness),
+    PALPATE_ROW(palpate_tool_response, friction_coefficient),
+    PALPATE_ROW(palpate_tool_response, stored_energy),
+    PALPATE_ROW(palpate_tool_response, spring_energy),
+    PALPATE_ROW(palpate_tool_response, work_in),
+    PALPATE_ROW(palpate_tool_response, dissipated_friction),
+    PALPATE_ROW(palpate_tool_response, dissipated_rule),
+    PALPATE_ROW(palpate_tool_response, hold_leak),
+};
+
+}  // namespace
+
+extern "C" {
+
+uint32_t palpate_abi_version(void) noexcept { return PALPATE_ABI_VERSION; }
+
+const char* palpate_version(void) noexcept { return PALPATE_VERSION_TEXT; }
+
+const char* palpate_status_text(palpate_status status) noexcept {
+    switch (status) {
+        case PALPATE_OK: return "It went well.";
+        case PALPATE_BAD_ARGUMENT: return "A pointer is null, a struct has the wrong size, or memory is too small or misaligned.";
+        case PALPATE_FILE_UNREADABLE: return "The file is not there or cannot be read.";
+        case PALPATE_OUT_OF_MEMORY: return "There is not enough memory.";
+        case PALPATE_TRUNCATED: return "The file has fewer or more bytes than its header says: copy it again.";
+        case PALPATE_NOT_RFIELD: return "The bytes are not an .rfield.";
+        case PALPATE_WRONG_VERSION: return "The file was cooked with another layout: cook it again.";
+        case PALPATE_DAMAGED: return "The checksum does not fit: the file is damaged.";
+        case PALPATE_BAD_LAYOUT: return "Sizes, counts or offsets in the file contradict each other.";
+        case PALPATE_BAD_INDEX: return "A block index in the file points outside the stored blocks.";
+        case PALPATE_NOT_FINITE: return "A number in the file is not finite or beyond any physical size.";
+        case PALPATE_BAD_CURVE: return "A depth curve in the file does not start at zero or is not continuous.";
+    }
+    return "This status is unknown to this version.";
+}
+
+const char* palpate_tick_text(uint32_t tick_status) noexcept {
+    switch (tick_status & (~tick_status + 1u)) {
+        case 0: return "An ordinary tick.";
+        case PALPATE_TICK_EXTRAPOLATED: return "The tool is deeper than any press went; the curves continue with their last slope.";
+        case PALPATE_TICK_SLIPPING: return "The friction spring yielded: the tool slips.";
+        case PALPATE_TICK_UNREACHED: return "The tool is near a surface that the scene declares out of reach: no force there.";
+        case PALPATE_TICK_TOO_DEEP: return "The tool is deeper than the stored band: released, contact comes back from outside.";
+        case PALPATE_TICK_PASSED_THROUGH: return "The stroke went through tissue: released, contact comes back from outside.";
+        case PALPATE_TICK_WAITING: return "The tool is in the tissue without having entered it from outside: no force.";
+        case PALPATE_TICK_JUMP: return "The tool moved faster than speed_max: released, contact comes back from outside.";
+        case PALPATE_TICK_STALE: return "More than dt_max went by since the last tick: released, contact comes back from outside.";
+        case PALPATE_TICK_BAD_INPUT: return "Position, orientation or dt is not usable: released, contact comes back from outside.";
+        case PALPATE_TICK_RELEASED: return "The host asked to let go: contact comes back from outside.";
+        case PALPATE_TICK_BAD_ARGUMENT: return "A pointer is null or a struct is too small.";
+        default: return "This status bit is unknown to this version.";
+    }
+}
+
+const palpate_abi_row* palpate_abi_table(size_t* count) noexcept {
+    if (count == nullptr) return nullptr;
+    *count = sizeof table / sizeof table[0];
+    return table;
+}
+
+}  // extern "C"

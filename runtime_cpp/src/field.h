@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// The opened field: pointers into one buffer whose contents open.cpp has proven, so that a tick checks nothing.
+#ifndef PALPATE_SRC_FIELD_H
+#define PALPATE_SRC_FIELD_H
+
+#include <cstddef>
+#include <cstdint>
+
+#include "rfield_layout.h"
+
+namespace palpate {
+
+// A sparse lattice of 4 x 4 x 4 blocks (fields/lattice.py).  Cells 0 .. cells - 3 along each axis have whole stencils.
+struct lattice {
+    double origin[3];        // m
+    double spacing;          // m
+    double inverse_spacing;  // 1/m
+    double last[3];          // 4 blocks - 2: cell coordinates below it have their stencil in the box
+    std::int32_t blocks[3];
+    const std::int32_t* index;  // (blocks) row of the coefficients
+};
+
+// Depth curves (fields/response_field.py, DepthCurves): rows of (curve_count x 4), the last one beyond depth_end.
+struct depth_curves {
+    double depth_end;         // m
+    double step;              // m
+    double inverse_step;      // 1/m
+    double interval_count;    // as a double, for the comparison that bounds the row
+    std::int32_t last_row;    // interval_count
+    std::int32_t curve_count;
+    const double* rows;
+};
+
+}  // namespace palpate
+
+// The public name palpate_field; everything in it is constant after opening.
+struct palpate_field {
+    palpate::lattice geometry;
+    const std::int16_t* geometry_coefficients;
+    double geometry_scale;  // m a count
+    double geometry_bias;   // m
+
+    palpate::lattice amplitudes;
+    const float* amplitude_coefficients;
+    std::int32_t channel_stride;  // floats
+    std::int32_t lane_count;      // groups of 4 channels
+    std::int32_t energy_lane_count;  // groups that hold an energy channel: these need gradients
+
+    palpate::depth_curves energy;
+    palpate::depth_curves stiffness;
+    palpate::depth_curves friction;
+
+    double tool_offset;  // m
+    double depth_max;    // m
+
+    const palpate::rfield_header* header;
+    const char* provenance;
+    std::uint64_t provenance_size;
+    void* owned;  // what to free, or null when used in place
+};
+
+#endif

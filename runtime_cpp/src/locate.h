@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+#ifndef PALPATE_SRC_LOCATE_H
+#define PALPATE_SRC_LOCATE_H
+
+#include "field.h"
+#include "palpate/palpate.h"
+
+namespace palpate {
+
+struct location {
+    palpate_region region;
+    double depth;        // m; rho - phi(q); only where region is FREE or CONTACT
+    double gradient[3];  // grad phi, likewise
+};
+
+// Where q (m, |q| bounded by 1e6) is.
+void locate(const palpate_field& field, const double q[3], location& found) noexcept;
+
+// What a straight stroke between two points meets, both ends excluded, looked at once each geometry spacing:
+// the lattice cannot hold tissue thinner than that.
+struct stroke {
+    bool touched;    // contact somewhere
+    bool left;       // free somewhere after contact, or after a start in contact
+    bool deep;       // deeper than the band somewhere
+    bool unreached;  // unreached somewhere
+    bool too_long;   // more than stroke_sample_limit looks needed; not looked at
+    bool has_normal;
+    double gradient[3];  // grad phi where the stroke first touched, when has_normal
+};
+
+constexpr double stroke_sample_limit = 256.0;
+
+void look_along(const palpate_field& field, const double from[3], const double to[3], bool starts_in_contact,
+                stroke& seen) noexcept;
+
+}  // namespace palpate
+
+#endif

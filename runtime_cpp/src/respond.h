@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+#ifndef PALPATE_SRC_RESPOND_H
+#define PALPATE_SRC_RESPOND_H
+
+#include "field.h"
+
+namespace palpate {
+
+struct response {
+    double energy;                // U, J
+    double gradient[3];           // grad U, N
+    double stiffness;             // d2U/dd2 at fixed amplitudes, N/m
+    double friction_stiffness;    // k >= 0, N/m
+    double friction_coefficient;  // mu >= 0
+};
+
+// The response at q with depth > 0 (m) and grad phi as `locate` found them.
+void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
+             response& found) noexcept;
+
+}  // namespace palpate
+
+#endif

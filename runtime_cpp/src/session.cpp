@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// The C functions of a session: arguments are judged here, tick.cpp does the work.
+#include "session.h"
+
+#include <cstring>
+#include <new>
+#include <type_traits>
+
+static_assert(std::is_trivially_copyable<palpate_session>::value, "a snapshot is a copy of the bytes");
+static_assert(alignof(palpate_session) <= 8, "the header promises 8");
+
+namespace {
+
+bool usable(const palpate_config& c) noexcept {
+    const auto length = [](double x) { return x >= -1e3 && x <= 1e3; };
+    return c.size >= sizeof(palpate_config) && length(c.reference_point[0]) && length(c.reference_point[1]) &&
+           length(c.reference_point[2]) && c.friction_coefficient <= 1e6 && c.friction_coefficient >= -1e6 &&
+           c.speed_max >= 0.0 && c.speed_max <= 1e9 && c.dt_max > 0.0 && c.dt_max <= 1e9;
+}
+
+bool roomy(const void* memory, size_t size) noexcept {
+    return memory != nullptr && size >= sizeof(palpate_session) &&
+           reinterpret_cast<std::uintptr_t>(memory) % alignof(palpate_session) == 0;
+}
+
+}  // namespace
+
+extern "C" {
+
+void palpate_config_default(palpate_config* config) noexcept {
+    if (config == nullptr) return;
+    *config = palpate_config{};
+    config->size = sizeof(palpate_config);
+    config->friction_coefficient = -1.0;
+    config->speed_max = 10.0;
+    config->dt_max = 0.1;
+}
+
+size_t palpate_session_size(void) noexcept { return sizeof(palpate_session); }
+
+palpate_status palpate_session_init(void* memory, size_t size, const palpate_field* field, const palpate_config* config,
+                                    palpate_session** session) noexcept {
+    if (session != nullptr) *session = nullptr;
+    if (session == nullptr || field == nullptr || !roomy(memory, size)) return PALPATE_BAD_ARGUMENT;
+    if (config != nullptr && !usable(*config)) return PALPATE_BAD_ARGUMENT;
+    auto* s = new (memory) palpate_session{};
+    s->field = field;
+    if (config != nullptr) {
+        s->config = *config;
+    } else {
+        palpate_config_default(&s->config);
+    }
+    palpate::begin(*s);
+    *session = s;
+    return PALPATE_OK;
+}
+
+palpate_status palpate_session_reset(palpate_session* session) noexcept {
+    if (session == nullptr) return PALPATE_BAD_ARGUMENT;
+    palpate::begin(*session);
+    return PALPATE_OK;
+}
+
+palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
+                                        palpate_session** snapshot) noexcept {
+    if (snapshot != nullptr) *snapshot = nullptr;
+    if (session == nullptr || snapshot == nullptr || !roomy(memory, size)) return PALPATE_BAD_ARGUMENT;
+    *snapshot = new (memory) palpate_session(*session);
+    return PALPATE_OK;
+}
+
+uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state, palpate_tool_response* response) noexcept {
+    if (session == nullptr || state == nullptr || response == nullptr || state->size < sizeof(palpate_tool_state) ||
+        response->size < sizeof(palpate_tool_response)) {
+        return PALPATE_TICK_BAD_ARGUMENT;
+    }
+    return palpate::tick(*session, *state, *response);
+}
+
+uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states, palpate_tool_response* responses,
+                            size_t count) noexcept {
+    if (count == 0) return 0;
+    if (session == nullptr || states == nullptr || responses == nullptr || states->size < sizeof(palpate_tool_state) ||
+        responses->size < sizeof(palpate_tool_response) || states->size % alignof(palpate_tool_state) != 0 ||
+        responses->size % alignof(palpate_tool_response) != 0) {
+        return PALPATE_TICK_BAD_ARGUMENT;
+    }
+    const std::uint32_t in_stride = states->size;
+    const std::uint32_t out_stride = responses->size;
+    const auto* in = reinterpret_cast<const unsigned char*>(states);
+    auto* out = reinterpret_cast<unsigned char*>(responses);
+    std::uint32_t all = 0;
+    for (size_t i = 0; i < count; ++i, in += in_stride, out += out_stride) {
+        auto& response = *reinterpret_cast<palpate_tool_response*>(out);
+        response.size = out_stride;
+        all |= palpate_tick(session, reinterpret_cast<const palpate_tool_state*>(in), &response);
+    }
+    return all;
+}
+
+}  // extern "C"

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// What a session remembers between ticks.  Trivially copyable: a copy of the bytes is a snapshot.
+#ifndef PALPATE_SRC_SESSION_H
+#define PALPATE_SRC_SESSION_H
+
+#include <cstdint>
+
+#include "friction.h"
+#include "guard.h"
+#include "palpate/palpate.h"
+
+namespace palpate {
+
+// When contact may begin.
+enum class gate : std::uint32_t {
+    open,         // the tool came from free space
+    zero_energy,  // it came from where nothing was pressed: only where U = 0, so that no energy appears
+    closed,       // it was released, or just made: only after it has been free
+};
+
+}  // namespace palpate
+
+// The public name palpate_session.
+struct palpate_session {
+    const palpate_field* field;
+    palpate_config config;
+
+    double q[3];      // m; last usable reference point
+    double force[3];  // N; sent at the last tick
+    double energy;    // J; U at the last tick, without the spring
+    palpate::friction_spring spring;
+    palpate::accounts books;
+    palpate::gate entry;
+    bool has_q;       // q is valid
+    bool touching;
+};
+
+namespace palpate {
+
+// State of a fresh session; keeps field and config.
+void begin(palpate_session& session) noexcept;
+
+// One tick with arguments known to be good.
+std::uint32_t tick(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) noexcept;
+
+}  // namespace palpate
+
+#endif

@@ -1,0 +1,241 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// One tick: locate, respond, friction, guard.  Stored energy E = U(q) + 1/2 k |s|^2; the hand moved the tool by dq under
+// the force that was sent, f = -grad U - k s, and did w = -f . dq.  In this order:
+//   1. at fixed k and anchor, E goes to U(q') + 1/2 k |s + P dq|^2: w plus the zero-order hold's share (the leak);
+//   2. the normal turns, the stiffness changes, the spring yields: friction.cpp shows that none raises E;
+//   3. contact that cannot go on (too deep, through, jumped, bad input) gives up E as a whole: dissipated.
+// First contact sets the spring down unstretched; lift-off has U = k = 0, so E ends at zero by itself.
+#include <cmath>
+
+#include "locate.h"
+#include "respond.h"
+#include "session.h"
+
+namespace palpate {
+namespace {
+
+// |grad phi| below which a normal means nothing (a medial plane); the spring then keeps its old one.
+constexpr double gradient_least = 1e-3;
+
+constexpr std::uint32_t zero_force_bits = PALPATE_TICK_UNREACHED | PALPATE_TICK_TOO_DEEP | PALPATE_TICK_PASSED_THROUGH |
+                                          PALPATE_TICK_JUMP | PALPATE_TICK_STALE | PALPATE_TICK_BAD_INPUT |
+                                          PALPATE_TICK_RELEASED;
+
+double dot(const double a[3], const double b[3]) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+bool unit(const double v[3], double n[3]) noexcept {
+    const double length = std::sqrt(dot(v, v));
+    if (!(length > gradient_least)) return false;
+    const double scale = 1.0 / length;
+    for (int a = 0; a < 3; ++a) n[a] = v[a] * scale;
+    return true;
+}
+
+// Nothing is stored and nothing is sent any more.
+void let_go(palpate_session& s) noexcept {
+    s.touching = false;
+    s.energy = 0.0;
+    s.spring = friction_spring{};
+    for (double& f : s.force) f = 0.0;
+}
+
+void give_up(palpate_session& s, double work) noexcept {
+    release(s.books, work, s.energy + spring_energy(s.spring));
+    let_go(s);
+}
+
+void lift_off(palpate_session& s, double work, const double step[3]) noexcept {
+    const double before = s.energy + spring_energy(s.spring);
+    carry(s.spring, step);
+    const double spring = spring_energy(s.spring);
+    hold(s.books, work, before, spring);
+    s.books.dissipated_friction += spring;
+    let_go(s);
+}
+
+// The response part of *out for a session that sends no force.
+void write_free(const palpate_session& s, palpate_tool_response& out) noexcept {
+    for (int a = 0; a < 3; ++a) {
+        out.force[a] = out.torque[a] = out.normal[a] = 0.0;
+        out.reference_point[a] = out.anchor[a] = s.q[a];
+    }
+    out.normal_force = out.stiffness = out.friction_stiffness = out.friction_coefficient = 0.0;
+    out.stored_energy = out.spring_energy = 0.0;
+}
+
+void write_books(const palpate_session& s, palpate_tool_response& out) noexcept {
+    out.work_in = s.books.work_in;
+    out.dissipated_friction = s.books.dissipated_friction;
+    out.dissipated_rule = s.books.dissipated_rule;
+    out.hold_leak = s.books.hold_leak;
+}
+
+// Contact at q, coming from s.q by `step`; false (with a status bit) where it cannot be.
+bool contact(palpate_session& s, const double q[3], const location& at, const double step[3], double work,
+             std::uint32_t& status, palpate_tool_response& out) noexcept {
+    response r;
+    respond(*s.field, q, at.depth, at.gradient, r);
+    if (s.entry == gate::zero_energy && r.energy == 0.0) s.entry = gate::open;
+    if (s.entry != gate::open) {
+        if ((status & zero_force_bits) == 0) status |= PALPATE_TICK_WAITING;
+        return false;
+    }
+    double n[3] = {s.spring.normal[0], s.spring.normal[1], s.spring.normal[2]};
+    const bool has_normal = unit(at.gradient, n);
+    if (s.touching && dot(n, s.spring.normal) < 0.0) {  // turned over within one tick: the middle of a thin lobe
+        status |= PALPATE_TICK_PASSED_THROUGH;
+        s.entry = gate::closed;
+        return false;
+    }
+
+    const double before = s.energy + spring_energy(s.spring);
+    if (s.touching) {
+        carry(s.spring, step);
+    } else {
+        touch_down(s.spring, n);
+    }
+    const double held = spring_energy(s.spring);
+    hold(s.books, work, before, r.energy + held);
+
+    const double normal_force = -dot(r.gradient, n);
+    const double mu = s.config.friction_coefficient >= 0.0 ? s.config.friction_coefficient : r.friction_coefficient;
+    const bool grips = dot(n, n) > 0.0;
+    if (grips && has_normal) turn(s.spring, n);
+    stiffen(s.spring, grips ? r.friction_stiffness : 0.0);
+    if (yield(s.spring, normal_force > 0.0 ? mu * normal_force : 0.0)) status |= PALPATE_TICK_SLIPPING;
+    const double spring = spring_energy(s.spring);
+    s.books.dissipated_friction += held - spring;
+    if (at.depth > s.field->depth_max) status |= PALPATE_TICK_EXTRAPOLATED;
+
+    s.touching = true;
+    s.energy = r.energy;
+    for (int a = 0; a < 3; ++a) {
+        s.force[a] = -r.gradient[a] - s.spring.stiffness * s.spring.stretch[a];
+        out.force[a] = s.force[a];
+        out.reference_point[a] = q[a];
+        out.anchor[a] = q[a] - s.spring.stretch[a];
+        out.normal[a] = n[a];
+    }
+    out.normal_force = normal_force;
+    out.stiffness = r.stiffness;
+    out.friction_stiffness = s.spring.stiffness;
+    out.friction_coefficient = mu;
+    out.stored_energy = r.energy + spring;
+    out.spring_energy = spring;
+    return true;
+}
+
+// A stroke longer than the geometry's spacing: what lies between its ends?  Returns what ends contact.
+std::uint32_t check_stroke(palpate_session& s, const double q[3], const location& at, double work, const double step[3],
+                           double& work_left) noexcept {
+    stroke seen;
+    look_along(*s.field, s.q, q, s.touching, seen);
+    if (seen.too_long) return PALPATE_TICK_JUMP;
+    if (seen.deep) return PALPATE_TICK_PASSED_THROUGH;
+    const bool ends_in_contact = at.region == PALPATE_REGION_CONTACT;
+    if (s.touching) {
+        if (seen.left && ends_in_contact) {  // off and on again: the new contact starts unstretched
+            lift_off(s, work, step);
+            work_left = 0.0;
+        }
+    } else if (seen.touched && (seen.left || !ends_in_contact)) {
+        return PALPATE_TICK_PASSED_THROUGH;
+    } else if (seen.has_normal && ends_in_contact && dot(seen.gradient, at.gradient) < 0.0) {
+        return PALPATE_TICK_PASSED_THROUGH;
+    }
+    if (seen.unreached) {
+        if (s.touching) {
+            give_up(s, work);
+            work_left = 0.0;
+        }
+        if (s.entry == gate::open) s.entry = gate::zero_energy;
+    }
+    return 0;
+}
+
+}  // namespace
+
+void begin(palpate_session& s) noexcept {
+    let_go(s);
+    s.books = accounts{};
+    s.entry = gate::closed;
+    s.has_q = false;
+    for (double& x : s.q) x = 0.0;
+}
+
+std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) noexcept {
+    std::uint32_t status = input_fault(state);
+    if (status != 0) {
+        give_up(s, 0.0);  // where the hand went is not known, so neither is its work
+        s.entry = gate::closed;
+        s.has_q = false;
+        write_free(s, out);
+        write_books(s, out);
+        out.depth = 0.0;
+        out.region = PALPATE_REGION_UNKNOWN;
+        out.status = status;
+        return status;
+    }
+
+    double q[3];
+    reference_point(state, s.config.reference_point, q);
+    double step[3] = {0.0, 0.0, 0.0};
+    if (s.has_q) {
+        for (int a = 0; a < 3; ++a) step[a] = q[a] - s.q[a];
+    }
+    double work = -dot(s.force, step);
+    const double length_squared = dot(step, step);
+    const double reach = s.config.speed_max * state.dt;
+    if (s.config.speed_max > 0.0 && length_squared > reach * reach) status |= PALPATE_TICK_JUMP;
+    if (state.dt > s.config.dt_max) status |= PALPATE_TICK_STALE;
+    if ((state.flags & PALPATE_INPUT_RELEASE) != 0) status |= PALPATE_TICK_RELEASED;
+
+    location at;
+    locate(*s.field, q, at);
+    const double spacing = s.field->geometry.spacing;
+    if (status == 0 && length_squared > spacing * spacing) status |= check_stroke(s, q, at, work, step, work);
+    if (at.region == PALPATE_REGION_DEEP) status |= PALPATE_TICK_TOO_DEEP;
+    if (status != 0) {
+        give_up(s, work);
+        work = 0.0;
+        s.entry = gate::closed;
+    }
+
+    bool touching = false;
+    switch (at.region) {
+        case PALPATE_REGION_CONTACT:
+            touching = contact(s, q, at, step, work, status, out);
+            if (!touching && s.touching) give_up(s, work);
+            break;
+        case PALPATE_REGION_UNREACHED:
+            status |= PALPATE_TICK_UNREACHED;
+            if (s.touching) give_up(s, work);
+            if (s.entry == gate::open) s.entry = gate::zero_energy;
+            break;
+        case PALPATE_REGION_DEEP:
+            break;  // given up above
+        default:
+            if (s.touching) lift_off(s, work, step);
+            s.entry = gate::open;
+            break;
+    }
+
+    for (int a = 0; a < 3; ++a) s.q[a] = q[a];
+    s.has_q = true;
+    if (touching) {
+        const double arm[3] = {q[0] - state.position[0], q[1] - state.position[1], q[2] - state.position[2]};
+        out.torque[0] = arm[1] * out.force[2] - arm[2] * out.force[1];
+        out.torque[1] = arm[2] * out.force[0] - arm[0] * out.force[2];
+        out.torque[2] = arm[0] * out.force[1] - arm[1] * out.force[0];
+    } else {
+        write_free(s, out);
+    }
+    write_books(s, out);
+    out.depth = at.depth;
+    out.region = at.region;
+    out.status = status;
+    return status;
+}
+
+}  // namespace palpate

@@ -15,7 +15,10 @@ from typing import Any
 from palpate.fem_offline.errors import MeshError, SurfaceError
 from palpate.fields.field_error import FieldError
 
-__all__ = ["InputError", "InputProblem", "PalpateError", "ToleranceNotMet", "exit_code"]
+__all__ = ["InputError", "InputProblem", "PalpateError", "ToleranceNotMet", "exit_code", "problems_of"]
+
+_REFUSALS = (SurfaceError, MeshError, FieldError)
+"""How the rooms below, which cannot import this one, refuse an input."""
 
 
 @dataclass(frozen=True)
@@ -87,9 +90,15 @@ def exit_code(error: BaseException) -> int:
         return error.exit_code
     if isinstance(error, KeyboardInterrupt):
         return 130
-    if isinstance(error, (SurfaceError, MeshError, FieldError)):
-        return 2  # the rooms below cannot import this one; their refusals of an input are listed here
-    return 3
+    return 2 if isinstance(error, _REFUSALS) else 3
+
+
+def problems_of(error: BaseException) -> tuple[InputProblem, ...]:
+    """What an error with exit code 2 says about the input, in order."""
+    if isinstance(error, InputError):
+        return error.problems
+    what = getattr(error, "what", str(error))
+    return (InputProblem(getattr(error, "where", ""), "", None, what, getattr(error, "expected", "")),)
 
 
 def _shown(value: Any) -> str:

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""What stands on the command line, as values: scenes, paths that exist, lengths with units, fidelities."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from palpate.author.capabilities import CAPABILITIES, require_capabilities
+from palpate.author.errors import InputError, InputProblem
+from palpate.author.scene import Scene, load_scene
+from palpate.author.units import QuantityError, quantity
+
+__all__ = ["existing", "fidelity_named", "lengths", "ready_scene"]
+
+
+def ready_scene(path: Path) -> Scene:
+    """The scene, read, checked, and within what this version can do.  Raises InputError."""
+    scene = load_scene(path)
+    require_capabilities(scene)
+    return scene
+
+
+def existing(path: Path, expected: str) -> Path:
+    """`path`.  Raises InputError when nothing is there."""
+    if not path.exists():
+        raise InputError(InputProblem(str(path), "", None, "does not exist", expected))
+    return path
+
+
+def lengths(option: str, text: str, count: int) -> tuple[float, ...]:
+    """`count` lengths (m), separated by commas, each a number or a number with a unit.  Raises InputError."""
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != count:
+        expected = "one length" if count == 1 else f"{count} lengths separated by commas"
+        raise InputError(InputProblem("", option, text, f"has {len(parts)} entries", expected))
+    try:
+        return tuple(quantity(_number(part), "length") for part in parts)
+    except QuantityError as error:
+        raise InputError(InputProblem("", option, text, error.what, error.expected)) from None
+
+
+def fidelity_named(text: str) -> str:
+    """`text`.  Raises InputError when this version has no such fidelity."""
+    known = CAPABILITIES["fidelities"]
+    if text not in known:
+        what = "is no fidelity of this version"
+        raise InputError(InputProblem("", "--fidelity", text, what, "one of " + ", ".join(known)))
+    return text
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

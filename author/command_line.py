@@ -1,0 +1,250 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The `palpate` command: options here, work elsewhere, imported when its command runs.
+
+Each command prints one answer on stdout (--json: one JSON object) and everything else on stderr.  Exit codes:
+0 done; 1 done, but a stated tolerance is not met; 2 the input is wrong; 3 a bug or the machine.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from palpate.author.arguments import existing, fidelity_named, lengths, ready_scene
+from palpate.author.console import Answer, answer_of
+from palpate.author.errors import InputError, InputProblem
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    help="From an organ surface and a tool to a force that a hand can feel.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
+Asset = Annotated[Path, typer.Argument(metavar="ASSET", help="asset folder")]
+Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout, everything else on stderr")]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command; gives the exit code."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        code = app(args=given, prog_name="palpate", standalone_mode=False)
+    except typer.Exit as end:
+        return end.exit_code
+    except typer.TyperException as error:  # wrong options or arguments
+        error.show()
+        if "--json" in given:
+            problem = InputProblem("", "", None, error.format_message())
+            print(json.dumps({"error": {"exit_code": 2, "problems": [problem.as_json()]}}))
+        return 2
+    return code if isinstance(code, int) else 0
+
+
+@app.command()
+def plan(scene: SceneFile, as_json: Json = False) -> None:
+    """Show what will be meshed, pressed and stored, and what it costs."""
+
+    def work() -> Answer:
+        from palpate.author.plan import plan as planned
+
+        return planned(ready_scene(scene))
+
+    _end(work, as_json)
+
+
+@app.command()
+def author(
+    scene: SceneFile,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="where the asset goes")],
+    as_json: Json = False,
+) -> None:
+    """Make the asset: repair, tetrahedralise, press, fit, write, cook, validate, report."""
+
+    def work() -> Answer:
+        from palpate.author.progress import ConsoleProgress
+
+        ready = ready_scene(scene)
+        from palpate.author.pipeline import author as authored
+
+        with ConsoleProgress() as progress:
+            result = authored(ready, out, progress=progress)
+        return Answer(result, [_error_lines(result)], 0 if result["tolerance_met"] else 1)
+
+    _end(work, as_json)
+
+
+@app.command()
+def press(
+    scene: SceneFile,
+    at: Annotated[str, typer.Option("--at", metavar="X,Y,Z", help="m or with units; goes to the surface")],
+    tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="tool of the scene")],
+    depth: Annotated[str, typer.Option("--depth", metavar="D", help='deepest state, such as "5 mm"')],
+    lateral: Annotated[str, typer.Option("--lateral", metavar="DX,DY", help="then, sticking, aside")] = "",
+    fidelity: Annotated[str, typer.Option("--fidelity", help="near_field or full; default: scene's")] = "",
+    as_json: Json = False,
+) -> None:
+    """Press the tool into the organ once, by finite elements."""
+
+    def work() -> Answer:
+        from palpate.author.progress import ConsoleProgress
+
+        place, deepest = lengths("--at", at, 3), lengths("--depth", depth, 1)[0]
+        move = lengths("--lateral", lateral, 2) if lateral else None
+        if deepest <= 0:
+            raise InputError(InputProblem("", "--depth", depth, "is not above 0", 'a depth such as "5 mm"'))
+        ready = ready_scene(scene)
+        ready.tool_named(tool)
+        from palpate.author.press_command import press as pressed
+
+        with ConsoleProgress() as progress:
+            result = pressed(
+                ready,
+                at=place,
+                tool=tool,
+                depth=deepest,
+                lateral=move,
+                fidelity=fidelity_named(fidelity or ready.accuracy.fidelity),
+                progress=progress,
+            )
+        return Answer(result, [_press_lines(result)])
+
+    _end(work, as_json)
+
+
+@app.command()
+def validate(
+    asset: Asset,
+    points: Annotated[int, typer.Option("--points", min=1, help="fresh presses")] = 40,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="draws the points")] = 1,
+    tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="one tool only")] = "",
+    as_json: Json = False,
+) -> None:
+    """Press anew where the asset was never pressed, and compare with the runtime."""
+
+    def work() -> Answer:
+        from palpate.author.progress import ConsoleProgress
+
+        existing(asset, "an asset folder")
+        from palpate.author.validate import validate as validated
+
+        with ConsoleProgress() as progress:
+            result = validated(asset, points=points, seed=seed, tool=tool or None, progress=progress)
+        shown = "\n".join(f"{key}: {_percentiles(result[key])}" for key in ("force_error", "lateral_error"))
+        return Answer(result, [shown], 0 if result["met"] else 1)
+
+    _end(work, as_json)
+
+
+@app.command()
+def cook(
+    asset: Asset,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="the asset folder when absent")
+    ] = None,
+    tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="one tool only")] = "",
+    as_json: Json = False,
+) -> None:
+    """Cook an asset's response fields into .rfield files for the runtime."""
+
+    def work() -> Answer:
+        from palpate.author.cook_asset import cook_asset
+
+        return cook_asset(existing(asset, "an asset folder"), out, tool or None)
+
+    _end(work, as_json)
+
+
+@app.command()
+def inspect(
+    path: Annotated[Path, typer.Argument(metavar="PATH", help="asset folder or .rfield")],
+    as_json: Json = False,
+) -> None:
+    """Show tools, nodes, sizes, hashes and errors of an asset or a cooked field."""
+
+    def work() -> Answer:
+        from palpate.author.inspect_field import inspect_field
+
+        return inspect_field(path)
+
+    _end(work, as_json)
+
+
+@app.command()
+def bench(
+    field: Annotated[
+        Path | None, typer.Argument(metavar="[FIELD]", help=".rfield; a shipped one when absent")
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """Measure the runtime's tick on this machine."""
+
+    def work() -> Answer:
+        from palpate.author.bench import bench as benched
+
+        return benched(field)
+
+    _end(work, as_json)
+
+
+@app.command()
+def doctor(as_json: Json = False) -> None:
+    """Check what this machine has of what palpate needs."""
+
+    def work() -> Answer:
+        from palpate.author.doctor import doctor as examined
+
+        return examined()
+
+    _end(work, as_json)
+
+
+@app.command(hidden=True)
+def schema() -> None:
+    """Print the JSON schema of a scene file."""
+
+    def work() -> Answer:
+        from palpate.author.scene import scene_schema
+
+        return Answer(scene_schema())
+
+    _end(work, as_json=True)
+
+
+def _end(work: Callable[[], Answer], as_json: bool) -> None:
+    raise typer.Exit(answer_of(work, as_json))
+
+
+def _error_lines(result: dict[str, Any]) -> str:
+    lines = [f"{result['asset']}: {result['seconds']:.0f} s, {result['cpu_seconds']:.0f} s of CPU"]
+    for tool in result["tools"]:
+        presses = f"{tool['presses']} presses ({tool['failed']} failed), {tool['nodes']} nodes"
+        size = f"{tool['bytes'] / 1024:.0f} KiB"
+        lines.append(f"{tool['name']}: {presses}, {size}; force error {_percentiles(tool['force_error'])}")
+    lines.append("tolerance met" if result["tolerance_met"] else "tolerance NOT met")
+    return "\n".join(lines)
+
+
+def _press_lines(result: dict[str, Any]) -> str:
+    rows = zip(result["depth"], result["force"], result["energy"], strict=True)
+    lines = ["depth (mm)  force (N)  energy (mJ)"]
+    lines += [f"{1e3 * d:10.3f}  {f:9.4f}  {1e3 * u:11.5f}" for d, f, u in rows]
+    state = "converged" if result["converged"] else "did not converge"
+    return "\n".join([*lines, f"{state}, {result['unknowns']} unknowns, {result['seconds']:.1f} s"])
+
+
+def _percentiles(error: dict[str, float]) -> str:
+    return ", ".join(f"{key} {100 * error[key]:.2f} %" for key in ("p50", "p95", "max"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

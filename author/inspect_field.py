@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is inside an asset folder or a cooked field: tools, nodes, sizes, hashes, errors."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from palpate.author.console import Answer, plain, table_of
+from palpate.author.errors import InputError, InputProblem
+
+__all__ = ["inspect_field"]
+
+
+def inspect_field(path: Path) -> Answer:
+    """`path`: an asset folder, its interface layer, or an .rfield, which the runtime opens and proves.
+
+    Raises InputError when there is no such file; FieldError or the runtime's own refusal when it is damaged.
+    """
+    if not path.exists():
+        raise InputError(InputProblem(str(path), "", None, "does not exist", "an asset folder or an .rfield"))
+    return _rfield(path) if path.is_file() and path.suffix == ".rfield" else _asset(path)
+
+
+def _rfield(path: Path) -> Answer:
+    from palpate.runtime import Field
+
+    info = Field.open(path).info
+    known = dict(info) if isinstance(info, Mapping) else dataclasses.asdict(info)
+    result = {"path": str(path), "bytes": path.stat().st_size, **known}
+    return Answer(result, [_two_columns(result)])
+
+
+def _asset(path: Path) -> Answer:
+    from palpate.fields.usd_read import read_field, tools
+
+    folder = path if path.is_dir() else path.parent
+    found = [_tool(read_field(path, name)) for name in tools(path)]
+    files = sorted(file for file in folder.rglob("*") if file.is_file())
+    result = {
+        "asset": str(path),
+        "bytes": sum(file.stat().st_size for file in files),
+        "files": [{"path": str(f.relative_to(folder)), "bytes": f.stat().st_size} for f in files],
+        "tools": found,
+    }
+    table = table_of(
+        "tool", "nodes", "pressed", "knots", "depth (mm)", "fit residual p95", "surface p99 (um)"
+    )
+    for tool in found:
+        table.add_row(
+            tool["name"],
+            str(tool["nodes"]),
+            str(tool["pressed"]),
+            str(tool["knots"]),
+            f"{1e3 * tool['depth_max']:.2f}",
+            f"{100 * tool['residual']['p95']:.2f} %",
+            f"{1e6 * tool['geometry']['error_p99']:.0f}",
+        )
+    return Answer(result, [f"{path}: {result['bytes'] / 1024:.0f} KiB in {len(files)} files", table])
+
+
+def _tool(field: Any) -> dict[str, Any]:
+    nodes, tool = field.nodes, field.tool
+    p50, p95 = np.percentile(nodes.residual, [50, 95])
+    return {
+        "name": tool.name,
+        "shape": tool.shape,
+        "parameters": tool.parameters,
+        "hash": tool.hash,
+        "nodes": nodes.node_count,
+        "pressed": int(nodes.pressed.sum()),
+        "knots": len(nodes.depth_knots),
+        "depth_max": field.depth_max,
+        "force_max": float(nodes.normal_force.max()),
+        "residual": {"p50": p50, "p95": p95, "max": nodes.residual.max()},
+        "representation": field.representation,
+        "geometry": {
+            "spacing": field.geometry.signed_distance.spacing,
+            "blocks": field.geometry.signed_distance.block_count,
+            "error_p99": field.geometry.error_p99,
+            "flagged_share": field.geometry.flagged_share,
+        },
+        "provenance": field.provenance,
+    }
+
+
+def _two_columns(result: dict[str, Any]) -> Table:
+    table = table_of("key", "value")
+    for key, value in result.items():
+        table.add_row(str(key), value if isinstance(value, str) else json.dumps(plain(value)))
+    return table

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a scene will cost and hold, before any work starts: what is meshed, pressed, stored, and left out."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from rich.table import Table
+
+from palpate.author.console import Answer, table_of
+from palpate.author.effort import PRESS_SECONDS, node_count
+from palpate.author.organ_check import OrganSummary, check_against_organ
+from palpate.author.organ_parts import organ_parts, rough_summary
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import EFFECTS, Tool
+
+__all__ = ["plan", "planned_mesh_size"]
+
+_STORED = {
+    "response": "stored energy, normal force and lateral gradient over depth at each node",
+    "friction": "stiffness of the friction spring and friction coefficient over depth at each node",
+}
+
+MESH_SIZE_SHARE = 1.0 / 32.0
+"""Edge of the organ-wide tetrahedra over the organ's diagonal when the scene states none; 8 mm on a liver."""
+
+
+def planned_mesh_size(scene: Scene, organ: OrganSummary) -> float:
+    """Target edge of the organ-wide tetrahedra, m."""
+    return scene.organ.mesh_size or MESH_SIZE_SHARE * float((organ.size**2).sum() ** 0.5)
+
+
+def plan(scene: Scene) -> Answer:
+    """The plan of `scene`.  Raises InputError when the scene does not fit its organ."""
+    parts = organ_parts(scene)
+    organ, taken_from = rough_summary(parts)
+    check_against_organ(scene, organ)
+    reach_share = organ.share_within(scene.reach) if scene.reach.is_given else 1.0
+    reach_area = reach_share * organ.area
+    mesh_size = planned_mesh_size(scene, organ)
+    tools = [_tool(scene, tool, reach_area) for tool in scene.tool]
+    cpu_seconds = sum(tool["cpu_seconds"] for tool in tools)
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    result: dict[str, Any] = {
+        "scene": scene.name,
+        "mesh": {
+            "surface": str(scene.organ.surface),
+            "parts": len(parts),
+            "repair": scene.organ.repair,
+            "size": organ.size,
+            "area": organ.area,
+            "volume": organ.volume,
+            "taken_from": taken_from,
+            "mesh_size": mesh_size,
+            # a regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2)
+            "tets": round(organ.volume * 6.0 * 2.0**0.5 / mesh_size**3),
+            "supports": len(scene.organ.support),
+            "regions": [region.name for region in scene.organ.region],
+            "material": scene.organ.material.model_dump(exclude_none=True),
+        },
+        "reach": {"area": reach_area, "share": reach_share},
+        "fidelity": scene.accuracy.fidelity,
+        "force_tolerance": scene.accuracy.force_tolerance,
+        "tools": tools,
+        "stored": {effect: _STORED[effect] for effect in scene.effects if effect in _STORED},
+        "not_modelled": [effect for effect in EFFECTS if effect not in scene.effects],
+        "cpu_seconds": cpu_seconds,
+        "cores": cores,
+        "seconds": cpu_seconds / cores,
+    }
+    return Answer(result, [_summary(result), _tool_table(tools)])
+
+
+def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
+    nodes = node_count(area, scene.accuracy.force_tolerance)
+    presses = nodes + scene.accuracy.held_out
+    return {
+        "name": tool.name,
+        "shape": tool.shape,
+        "radius": list(tool.radius or ()),
+        "depth_max": scene.depth_max(tool),
+        "friction": tool.friction if "friction" in scene.effects else None,
+        "nodes": nodes,
+        "held_out": scene.accuracy.held_out,
+        "presses": presses,
+        "cpu_seconds": presses * PRESS_SECONDS[scene.accuracy.fidelity],
+    }
+
+
+def _summary(result: dict[str, Any]) -> str:
+    mesh, reach = result["mesh"], result["reach"]
+    size = " x ".join(f"{1e3 * side:.0f}" for side in mesh["size"])
+    tets = f"about {mesh['tets']} tetrahedra of {1e3 * mesh['mesh_size']:.1f} mm"
+    cpu, wall = _minutes(result["cpu_seconds"]), _minutes(result["seconds"])
+    tolerance = f"{100 * result['force_tolerance']:.1f} % of force"
+    lines = [
+        f"scene     {result['scene']}",
+        f"surface   {mesh['parts']} part(s), {size} mm, {1e6 * mesh['volume']:.0f} ml",
+        f"          taken from {mesh['taken_from']}",
+        f"mesh      {tets}",
+        "material  " + ", ".join(f"{key} = {value}" for key, value in mesh["material"].items()),
+        f"reach     {1e4 * reach['area']:.1f} cm2, {100 * reach['share']:.0f} % of the surface",
+        *(f"stored    {what}" for what in result["stored"].values()),
+        f"left out  {', '.join(result['not_modelled']) or 'nothing'}",
+        f"effort    {cpu} of CPU, {wall} on {result['cores']} core(s), {result['fidelity']}, for {tolerance}",
+    ]
+    return "\n".join(lines)
+
+
+def _tool_table(tools: list[dict[str, Any]]) -> Table:
+    table = table_of("tool", "shape", "depth (mm)", "nodes", "held out", "presses", "CPU")
+    for tool in tools:
+        table.add_row(
+            tool["name"],
+            tool["shape"],
+            f"{1e3 * tool['depth_max']:.1f}",
+            str(tool["nodes"]),
+            str(tool["held_out"]),
+            str(tool["presses"]),
+            _minutes(tool["cpu_seconds"]),
+        )
+    return table
+
+
+def _minutes(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Progress of long work: stages, counts and time left, on stderr."""
+
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import Protocol
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.progress import Progress as Bars
+
+__all__ = ["ConsoleProgress", "Progress", "SilentProgress"]
+
+
+class Progress(Protocol):
+    """What long work reports to."""
+
+    def stage(self, name: str, total: int | None = None) -> None:
+        """The work before is done; `name` begins, with `total` steps when they can be counted."""
+        ...
+
+    def advance(self, count: int = 1, note: str = "") -> None:
+        """`count` steps of the stage are done; `note` says something about the last one."""
+        ...
+
+
+class SilentProgress:
+    """Reports nothing."""
+
+    def stage(self, name: str, total: int | None = None) -> None: ...
+
+    def advance(self, count: int = 1, note: str = "") -> None: ...
+
+
+class ConsoleProgress:
+    """Bars on a terminal; elsewhere one line for each stage, and one for each tenth of a counted one."""
+
+    def __init__(self) -> None:
+        self._console = Console(file=sys.stderr)
+        self._bars = Bars(
+            SpinnerColumn(finished_text="[green]·"),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TextColumn("left"),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[note]}"),
+            console=self._console,
+            disable=not self._console.is_terminal,
+        )
+        self._task = None
+        self._total: int | None = None
+        self._done = self._told = 0
+        self._name, self._began = "", time.monotonic()
+
+    def __enter__(self) -> ConsoleProgress:
+        self._bars.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self._end_stage()
+        self._bars.stop()
+
+    def stage(self, name: str, total: int | None = None) -> None:
+        self._end_stage()
+        self._name, self._total, self._began, self._done, self._told = name, total, time.monotonic(), 0, 0
+        if self._console.is_terminal:
+            self._task = self._bars.add_task(name, total=total, note="")
+        else:
+            self._say(name + (f" ({total})" if total else ""))
+
+    def advance(self, count: int = 1, note: str = "") -> None:
+        self._done += count
+        if self._task is not None:
+            self._bars.update(self._task, advance=count, note=note)
+        elif self._total and (self._done * 10 // self._total) > self._told:
+            self._told = self._done * 10 // self._total
+            spent = time.monotonic() - self._began
+            left = spent / self._done * (self._total - self._done)
+            self._say(f"{self._name}: {self._done}/{self._total}, {spent:.0f} s, {left:.0f} s left")
+
+    def _end_stage(self) -> None:
+        if self._task is not None:
+            total = self._total or max(self._done, 1)
+            self._bars.update(self._task, total=total, completed=total, note="")
+            self._task = None
+        elif self._name and not self._console.is_terminal:
+            self._say(f"{self._name}: done in {time.monotonic() - self._began:.1f} s")
+        self._name = ""
+
+    def _say(self, line: str) -> None:
+        print(line, file=sys.stderr, flush=True)

@@ -59,6 +59,7 @@ def plan(scene: Scene) -> Answer:
             "supports": len(scene.organ.support),
             "regions": [region.name for region in scene.organ.region],
             "material": scene.organ.material.model_dump(exclude_none=True),
+            "shear_modulus": scene.organ.material.shear_modulus,
         },
         "reach": {"area": reach_area, "share": reach_share},
         "fidelity": scene.accuracy.fidelity,
@@ -100,7 +101,8 @@ def _summary(result: dict[str, Any]) -> str:
         f"surface   {mesh['parts']} part(s), {size} mm, {1e6 * mesh['volume']:.0f} ml",
         f"          taken from {mesh['taken_from']}",
         f"mesh      {tets}",
-        "material  " + ", ".join(f"{key} = {value}" for key, value in mesh["material"].items()),
+        f"material  {mesh['material']['model']}, shear modulus {1e-3 * mesh['shear_modulus']:.3g} kPa, "
+        f"Poisson's ratio {mesh['material']['poissons_ratio']:g}",
         f"reach     {1e4 * reach['area']:.1f} cm2, {100 * reach['share']:.0f} % of the surface",
         *(f"stored    {what}" for what in result["stored"].values()),
         f"left out  {', '.join(result['not_modelled']) or 'nothing'}",

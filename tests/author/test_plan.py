@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The plan: what it counts, and that it names what is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from palpate.author.effort import NODES_AT_LEAST, node_count
+from palpate.author.errors import InputError
+from palpate.author.plan import plan
+from palpate.author.scene import load_scene
+
+
+def test_a_plan_measures_the_organ_and_names_what_is_left_out(write_scene: Callable[..., Path]) -> None:
+    result = plan(load_scene(write_scene('[accuracy]\nheld_out = 5\nfidelity = "full"'))).result
+    assert result["mesh"]["volume"] == pytest.approx(0.1 * 0.08 * 0.04, rel=1e-6)
+    assert result["mesh"]["taken_from"] == "the closed surface"
+    assert result["not_modelled"] == ["friction", "texture", "transient", "cutting", "rigid", "deformation"]
+    assert set(result["stored"]) == {"response"}
+    tool = result["tools"][0]
+    assert tool["presses"] == tool["nodes"] + 5
+    assert result["cpu_seconds"] == tool["presses"] * 150.0
+    assert tool["friction"] is None
+
+
+def test_a_smaller_reach_takes_fewer_presses(write_scene: Callable[..., Path]) -> None:
+    everything = plan(load_scene(write_scene())).result
+    disc = "[reach]\nsphere = { center = [0, 0, 0.04], radius = 0.02 }"
+    part = plan(load_scene(write_scene(disc))).result
+    assert part["reach"]["area"] == pytest.approx(3.14159 * 0.02**2, rel=0.05)
+    assert part["tools"][0]["nodes"] < everything["tools"][0]["nodes"]
+
+
+def test_an_organ_in_many_open_parts_is_planned_from_its_hull(write_scene: Callable[..., Path]) -> None:
+    path = write_scene("", ("block.stl", "parts.glb"))
+    halves = trimesh.Scene()
+    for name, x in (("left", -0.02), ("right", 0.02)):
+        half = trimesh.creation.box((0.05, 0.08, 0.04))
+        half.apply_translation((x, 0.0, 0.02))
+        half.update_faces(half.face_normals[:, 2] < 0.5)  # takes the lid off
+        halves.add_geometry(half, node_name=name)
+    halves.export(path.parent / "parts.glb")
+    mesh = plan(load_scene(path)).result["mesh"]
+    assert mesh["parts"] == 2
+    assert "convex hull" in mesh["taken_from"]
+    assert mesh["volume"] == pytest.approx(0.09 * 0.08 * 0.04, rel=1e-5)
+
+
+def test_millimetres_taken_for_metres_are_told_before_any_work(write_scene: Callable[..., Path]) -> None:
+    path = write_scene("", ("block.stl", "large.stl"))
+    trimesh.creation.box((200.0, 100.0, 80.0)).export(path.parent / "large.stl")
+    with pytest.raises(InputError) as caught:
+        plan(load_scene(path))
+    (problem,) = caught.value.problems
+    assert problem.key.startswith("organ.")
+    assert "200 m" in problem.sentence
+    assert '"mm"' in problem.expected
+
+
+def test_the_estimate_reproduces_what_it_was_read_from() -> None:
+    for nodes, error in ((100, 0.13), (200, 0.059), (400, 0.018)):
+        assert node_count(148e-4, error) == pytest.approx(nodes, rel=0.25)
+    assert node_count(1e-6, 0.035) == NODES_AT_LEAST

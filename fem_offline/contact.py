@@ -30,7 +30,15 @@ from palpate.fem_offline.assembly import HessianPattern
 from palpate.fem_offline.quadratic_space import face_shape
 from palpate.fem_offline.tool import Tool
 
-__all__ = ["ContactState", "ContactSurface", "Sticking", "Unilateral", "contact_surface"]
+__all__ = [
+    "ContactHessian",
+    "ContactState",
+    "ContactSurface",
+    "Sticking",
+    "Unilateral",
+    "contact_surface",
+    "face_places",
+]
 
 _A1, _W1, _A2, _W2 = 0.445948490915965, 0.223381589678011, 0.091576213509771, 0.109951743655322
 SIX_POINT_RULE = np.array(
@@ -43,6 +51,25 @@ SIX_POINT_WEIGHTS = np.array([_W1, _W2] * 3)
 
 
 @dataclass(frozen=True)
+class ContactHessian:
+    """Hessian of a contact functional, face by face.
+
+    Attributes:
+        face: (A,) faces that contribute.
+        local: (A, 18, 18) N/m.
+    """
+
+    face: np.ndarray
+    local: np.ndarray
+
+    def add_to(self, values: np.ndarray, places: np.ndarray) -> None:
+        """Add to Hessian values, places (B, 18, 18) of all faces."""
+        at = places[self.face].ravel()
+        use = at >= 0
+        values += np.bincount(at[use], self.local.ravel()[use], minlength=len(values))
+
+
+@dataclass(frozen=True)
 class ContactSurface:
     """Surface faces that may touch, with their quadrature points.
 
@@ -51,16 +78,12 @@ class ContactSurface:
         shape: (Q, 6) shape functions at the rule's points.
         weight: (B, Q) m2; reference area times rule weight.
         rest: (B, Q, 3) m; points at rest.
-        row: (B, 18) equations of the faces' displacement components.
-        places: (B, 18, 18) place in the Hessian's value array; -1 where below the diagonal or fixed.
     """
 
     faces: np.ndarray
     shape: np.ndarray
     weight: np.ndarray
     rest: np.ndarray
-    row: np.ndarray
-    places: np.ndarray
 
     @property
     def point_shape(self) -> tuple[int, int]:
@@ -77,38 +100,33 @@ class ContactSurface:
         np.add.at(out, self.faces.ravel(), local.reshape(-1, 3))
         return out
 
-    def add_hessian(self, values: np.ndarray, block: np.ndarray) -> None:
-        """Add sum_q w_q N_a N_b block_q, block (B, Q, 3, 3) Pa/m, to Hessian values."""
+    def hessian(self, block: np.ndarray) -> ContactHessian:
+        """sum_q w_q N_a N_b block_q per face, block (B, Q, 3, 3) Pa/m."""
         active = np.flatnonzero(np.any(block != 0.0, axis=(1, 2, 3)))
         weighted = self.weight[active][:, :, None, None] * block[active]
-        local = np.einsum("qa,qc,bqij->baicj", self.shape, self.shape, weighted).reshape(len(active), 324)
-        at = self.places[active].reshape(len(active), 324)
-        use = at >= 0
-        values += np.bincount(at[use], local[use], minlength=len(values))
+        local = np.einsum("qa,qc,bqij->baicj", self.shape, self.shape, weighted, optimize=True)
+        return ContactHessian(active, local.reshape(len(active), 18, 18))
 
 
-def contact_surface(
-    nodes: np.ndarray, face_nodes: np.ndarray, pattern: HessianPattern
-) -> ContactSurface:
-    """Quadrature on straight quadratic faces.
-
-    Args:
-        nodes: (N, 3) m.
-        face_nodes: (B, 6).
-        pattern: Hessian pattern of the body; must couple the nodes of each face.
-    """
+def contact_surface(nodes: np.ndarray, face_nodes: np.ndarray) -> ContactSurface:
+    """Quadrature on straight quadratic faces: nodes (N, 3) m, face_nodes (B, 6)."""
     shape = face_shape(SIX_POINT_RULE)
     x = nodes[face_nodes[:, :3]]
     area = 0.5 * np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1)
     weight = area[:, None] * SIX_POINT_WEIGHTS[None, :]
     rest = np.einsum("qa,bai->bqi", shape, nodes[face_nodes])
-    dof = (3 * face_nodes[:, :, None] + np.arange(3)).reshape(len(face_nodes), 18)
+    return ContactSurface(face_nodes, shape, weight, rest)
+
+
+def face_places(pattern: HessianPattern, faces: np.ndarray) -> np.ndarray:
+    """(B, 18, 18) places of face blocks in a Hessian's value array; -1 where below the diagonal or held."""
+    dof = (3 * faces[:, :, None] + np.arange(3)).reshape(len(faces), 18)
     row = pattern.equation[dof]
     r, c = np.broadcast_arrays(row[:, :, None], row[:, None, :])
     use = (r >= 0) & (c >= 0) & (r <= c)
     places = np.full(r.shape, -1, np.int64)
     places[use] = pattern.places(r[use], c[use])
-    return ContactSurface(face_nodes, shape, weight, rest, row, places)
+    return places
 
 
 @dataclass(frozen=True)
@@ -177,15 +195,15 @@ class Unilateral:
             area,
         )
 
-    def add_hessian(self, values: np.ndarray, u: np.ndarray, geometric: bool) -> None:
-        """Add the contact's Hessian; without `geometric` its indefinite part -t Hess g is left out."""
+    def hessian(self, u: np.ndarray, geometric: bool) -> ContactHessian:
+        """Second derivative; without `geometric` its indefinite part -t Hess g is left out."""
         _, gap, normal, curvature = self._distance(u)
         pressure = np.maximum(0.0, self.multiplier - self.penalty * gap)
         acting = (pressure > 0.0)[:, :, None, None]
         block = np.where(acting, self.penalty * normal[:, :, :, None] * normal[:, :, None, :], 0.0)
         if geometric:
             block -= pressure[:, :, None, None] * curvature
-        self.surface.add_hessian(values, block)
+        return self.surface.hessian(block)
 
     def update(self, u: np.ndarray) -> None:
         """Multiplier update lambda <- t."""
@@ -244,9 +262,8 @@ class Sticking:
             area,
         )
 
-    def add_hessian(self, values: np.ndarray, u: np.ndarray, geometric: bool) -> None:
-        block = np.where(self._acting[:, :, None, None], self.penalty * np.eye(3), 0.0)
-        self.surface.add_hessian(values, block)
+    def hessian(self, u: np.ndarray, geometric: bool) -> ContactHessian:
+        return self.surface.hessian(np.where(self._acting[:, :, None, None], self.penalty * np.eye(3), 0.0))
 
     def update(self, u: np.ndarray) -> None:
         """Augment: the traction found in equilibrium becomes the base."""

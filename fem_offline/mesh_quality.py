@@ -5,8 +5,8 @@
 With edges e, face areas A_i, volume V of a tetrahedron:
 
     dihedral angle at an edge: pi minus the angle between the normals of its two faces
-    radius ratio  3 r / R,     r = 3 V / sum A_i,   R = circumradius        (1: regular, 0: flat)
-    volume ratio  6 sqrt(2) V / l^3,  l = root mean square edge             (1: regular, 0: flat, < 0: inverted)
+    radius ratio  3 r / R,   r = 3 V / sum A_i,   R = circumradius      (1: regular, 0: flat)
+    volume ratio  6 sqrt(2) V / l^3,   l = root mean square edge        (1: regular, 0: flat, < 0: inverted)
 
 Shewchuk, What Is a Good Linear Finite Element?, 2002: small dihedral angles ruin conditioning, large ones the
 gradients.
@@ -28,7 +28,7 @@ _EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
 
 @dataclass(frozen=True)
 class TetQuality:
-    """Per tetrahedron, all (T,): volume m^3, smallest and largest dihedral angle in degrees, ratios 0 to 1."""
+    """Per tetrahedron, all (T,): volume m^3, dihedral angles in degrees, ratios from 0 to 1."""
 
     volume: np.ndarray
     dihedral_min: np.ndarray

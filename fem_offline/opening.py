@@ -5,9 +5,11 @@
     opened = { phi_e <= r },    phi_e the signed distance of the eroded solid { phi <= -r }
 
 Membranes thinner than 2 r (ligaments that an alpha wrap turns into fins) go, convex edges get the radius r,
-and the rest stays where it was.  (Serra, Image Analysis and Mathematical Morphology, 1982.)  Evaluated on a
-grid, exactly in a narrow band around each of the two level sets; the result's vertices are off by the
-grid's linear interpolation.
+and the rest stays where it was.  (Serra, Image Analysis and Mathematical Morphology, 1982.)
+
+Both level sets are evaluated on a grid, exactly in a narrow band around them.  Smooth parts come out exact to
+second order in the grid's spacing; sharp ridges of the eroded solid are cut by up to one spacing, so sharp
+convex edges retreat a little farther than their rounding asks.
 """
 
 from __future__ import annotations

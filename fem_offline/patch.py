@@ -152,7 +152,7 @@ def _remesh(points, tets, label, faces, face_kind, centre, size: PatchSize):
     target = np.clip(size.finest + size.growth * away, size.finest, size.coarsest)
     mesh["metric"] = (target / MILLIMETRE)[:, None]
     try:
-        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 1.5 * size.growth, verbose=-1)
+        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 2.5 * size.growth, verbose=-1)
     except RuntimeError as error:
         raise PatchError(f"mmg failed at {centre}: {error}") from error
     tets, refs = mesh.get_tetrahedra_with_refs()

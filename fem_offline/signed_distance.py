@@ -18,8 +18,11 @@ import numpy as np
 
 __all__ = ["SignedDistance", "vertex_normals"]
 
-_UNCLEAR = 0.25
-"""Winding numbers within this of 1/2 are settled by the pseudonormal; their error is far smaller."""
+_CLEAR = 0.1
+"""A closed surface's winding number is 0 or 1; farther than this from both, the pseudonormal decides."""
+
+_HAIR = 1e-6
+"""Closer than this, in longest sides, it decides too: solid angles lose their digits there."""
 
 
 def vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -45,6 +48,7 @@ class SignedDistance:
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray) -> None:
         self.vertices = np.ascontiguousarray(vertices, float)
         self.triangles = np.ascontiguousarray(triangles, np.int64)
+        self._hair = _HAIR * float(np.ptp(self.vertices, axis=0).max())
         self.normals = vertex_normals(self.vertices, self.triangles)
         self._tree = igl.AABB()
         self._tree.init(self.vertices, self.triangles)
@@ -89,7 +93,8 @@ class SignedDistance:
     def _sign(self, points: np.ndarray, triangle: np.ndarray, closest: np.ndarray) -> np.ndarray:
         winding = self._winding.winding_number(points)
         sign = np.where(winding > 0.5, -1.0, 1.0)
-        unclear = np.flatnonzero(np.abs(winding - 0.5) < _UNCLEAR)
+        near = np.einsum("ij,ij->i", points - closest, points - closest) < self._hair**2
+        unclear = np.flatnonzero(near | (np.minimum(np.abs(winding), np.abs(winding - 1.0)) > _CLEAR))
         if len(unclear):
             normal = self._pseudonormal(triangle[unclear], closest[unclear])
             side = np.einsum("ij,ij->i", points[unclear] - closest[unclear], normal)

@@ -1,0 +1,319 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""One press: the normal ladder of a rigid tool, its reactions, energies, and the sticking contact's stiffness.
+
+The tool's reference point goes from p(0) = c + rho n to p(d) = c + (rho - d) n.  Each recorded state is an
+equilibrium; f = force on the tool, W = stored energy.  Free checks, kept in the record:
+
+    action and reaction:  |f_tool - f_supports| / |f_tool|          (the supports' side is computed on its own)
+    work and energy:      dW/dd = f . n                             (checked over each ladder, see `work_mismatch`)
+
+Sticking: at each depth the points in contact are held to the tool, and the tool's translational stiffness
+K = -df/dp is found from the linearised equilibrium.  Lateral ladders do the same with finite moves.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palpate.fem_offline.contact import Sticking, Unilateral
+from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equilibrate
+from palpate.fem_offline.site import Site
+from palpate.fem_offline.tool import Tool
+
+__all__ = ["LateralLadder", "PressRecord", "PressSettings", "press"]
+
+
+@dataclass(frozen=True)
+class PressSettings:
+    """How a press is solved; part of every record's hash.
+
+    Attributes:
+        penalty: contact penalty over E, 1/m (8 per mm; see contact.py).
+        updates: multiplier updates at each recorded depth; multipliers are extrapolated in depth as well.
+        tolerance: residual over force at recorded states.
+        step: largest move of the tool between equilibria over its contact radius.
+        halvings: how often a failed step is halved before the press stops.
+        sticking_penalty: multiple of `penalty` that holds sticking points.
+        reaction_tolerance: action against reaction above which a state is refused.
+    """
+
+    penalty: float = 8.0e3
+    updates: int = 1
+    tolerance: float = 1.0e-9
+    step: float = 0.12
+    halvings: int = 4
+    sticking_penalty: float = 10.0
+    reaction_tolerance: float = 1.0e-8
+
+
+@dataclass(frozen=True)
+class LateralLadder:
+    """A sticking lateral move at one depth.
+
+    Attributes:
+        depth: m.
+        deflection: (M, 3) m; tool translation from the pressed state, the zero state first.
+        force_vector: (M, 3) N on the tool.
+        energy: (M,) J.
+    """
+
+    depth: float
+    deflection: np.ndarray
+    force_vector: np.ndarray
+    energy: np.ndarray
+
+
+@dataclass(frozen=True)
+class PressRecord:
+    """What one press found.  K states, the untouched one first.
+
+    Attributes:
+        contact_point, normal: (3,) m, (3,).
+        depth: (K,) m.  force_vector: (K, 3) N on the tool.  moment: (K, 3) N m about the reference point.
+        energy: (K,) J stored in the tissue.  area: (K,) m2 of reference surface in contact.
+        residual: (K,) |r| / |f|.  reaction_error: (K,) action against reaction, fraction of |f|.
+        penetration: (K,) m; mean gap error where pressure acts.
+        sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck; zero at the zero state.
+        lateral: sticking lateral ladders.
+        work_mismatch: largest |W - integral of f_n| over the ladder, fraction of the deepest W.
+        far_rotation: rad; largest rotation of the near body's interface, 0 for full fidelity.
+        converged: every depth asked for was reached.  reason: why not, else "".
+        unknowns: free equations.  newton_steps: in all.  seconds: wall time.  fidelity: near_field or full.
+    """
+
+    contact_point: np.ndarray
+    normal: np.ndarray
+    depth: np.ndarray
+    force_vector: np.ndarray
+    moment: np.ndarray
+    energy: np.ndarray
+    area: np.ndarray
+    residual: np.ndarray
+    reaction_error: np.ndarray
+    penetration: np.ndarray
+    sticking_stiffness: np.ndarray
+    lateral: tuple[LateralLadder, ...]
+    work_mismatch: float
+    converged: bool
+    reason: str
+    unknowns: int
+    newton_steps: int
+    seconds: float
+    fidelity: str
+
+    @property
+    def force(self) -> np.ndarray:
+        """(K,) N; normal force on the tool."""
+        return self.force_vector @ self.normal
+
+
+@dataclass
+class _Ladder:
+    """A tool on its way in: the last equilibria, for extrapolation."""
+
+    site: Site
+    tool: Tool
+    settings: PressSettings
+    contact: Unilateral
+    depth: list[float] = field(default_factory=lambda: [0.0])
+    u: list[np.ndarray] = field(default_factory=list)
+    pressure: list[np.ndarray] = field(default_factory=list)
+    newton_steps: int = 0
+
+    def __post_init__(self) -> None:
+        self.u = [np.zeros_like(self.site.body.nodes)]
+        self.pressure = [np.zeros(self.site.surface.point_shape)]
+
+    @property
+    def force_floor(self) -> float:
+        return 1e-4 * self.site.youngs_modulus * self.tool.contact_radius**2
+
+    def position(self, depth: float) -> np.ndarray:
+        return self.site.contact_point + (self.tool.offset - depth) * self.site.normal
+
+    def step_to(self, depth: float, recorded: bool) -> Equilibrium:
+        """One equilibrium at `depth`, started by extrapolating the last two."""
+        self.contact.position = self.position(depth)
+        start = self.u[-1]
+        self.contact.multiplier = self.pressure[-1]
+        if len(self.depth) > 2:
+            ratio = (depth - self.depth[-1]) / (self.depth[-1] - self.depth[-2])
+            start = self.u[-1] + ratio * (self.u[-1] - self.u[-2])
+            rise = self.pressure[-1] - self.pressure[-2]
+            self.contact.multiplier = np.maximum(0.0, self.pressure[-1] + ratio * rise)
+            if not np.isfinite(self.site.body.state(start).energy):
+                start = self.u[-1]
+        found = self._solve(start, 1e-3)
+        if recorded:
+            for _ in range(self.settings.updates):
+                self.contact.update(found.u)
+                found = self._solve(found.u, 1e-3)
+            found = self._solve(found.u, self.settings.tolerance)
+        self.depth.append(depth)
+        self.u.append(found.u)
+        self.pressure.append(np.linalg.norm(found.contact.traction, axis=2))
+        self.depth, self.u, self.pressure = self.depth[-3:], self.u[-3:], self.pressure[-3:]
+        return found
+
+    def _solve(self, start: np.ndarray, tolerance: float) -> Equilibrium:
+        found = equilibrate(self.site.body, self.contact, start, tolerance, self.force_floor)
+        self.newton_steps += found.iterations
+        return found
+
+    def go_to(self, depth: float) -> Equilibrium:
+        """Equilibrium at `depth` in steps of at most settings.step contact radii, halved where they fail."""
+        largest = self.settings.step * self.tool.contact_radius
+        halvings = 0
+        while True:
+            remaining = depth - self.depth[-1]
+            count = int(np.ceil(remaining / largest - 1e-9))
+            target = self.depth[-1] + remaining / max(count, 1)
+            kept = (list(self.depth), list(self.u), list(self.pressure))
+            try:
+                found = self.step_to(target, count <= 1)
+            except EquilibriumError:
+                self.depth, self.u, self.pressure = kept
+                halvings += 1
+                if halvings > self.settings.halvings:
+                    raise
+                largest = 0.5 * min(largest, remaining / max(count, 1))
+                continue
+            if count <= 1:
+                return found
+
+
+def press(
+    site: Site,
+    tool: Tool,
+    depths: np.ndarray,
+    settings: PressSettings = PressSettings(),  # noqa: B008 (frozen)
+    lateral: dict[int, np.ndarray] | None = None,
+    progress: Callable[[float], None] = lambda depth: None,
+) -> PressRecord:
+    """Press `tool` into a site along -normal.
+
+    Args:
+        depths: (K - 1,) m, rising, positive.
+        lateral: for some indices of `depths`, tool translations (M, 3) m tried one after the other with the contact
+            stuck; each starts where the last one ended.
+        progress: called with each depth reached.
+
+    Returns:
+        The record, as deep as it came; `converged` and `reason` say whether that was all.
+    """
+    begun = time.perf_counter()
+    surface = site.surface
+    contact = Unilateral(surface, tool, settings.penalty * site.youngs_modulus)
+    ladder = _Ladder(site, tool, settings, contact)
+    zero = np.zeros(3)
+    rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
+    ladders: list[LateralLadder] = []
+    reason = ""
+    for index, depth in enumerate(depths):
+        try:
+            found = ladder.go_to(float(depth))
+            mismatch = _reaction_error(site, found)
+            if mismatch > settings.reaction_tolerance:
+                reason = f"action and reaction differ by {mismatch:.1e} at {depth * 1e3:.2f} mm"
+                break
+            stuck = _sticking(site, found, contact, settings)
+            stiffness = _sticking_stiffness(site, found, stuck)
+            touch = found.contact
+            rows.append(
+                (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
+                 touch.penetration, stiffness)
+            )  # fmt: skip
+            if lateral and index in lateral:
+                ladders.append(_lateral_ladder(site, found, stuck, float(depth), lateral[index], settings, ladder))
+        except EquilibriumError as error:
+            reason = f"stopped before {depth * 1e3:.2f} mm: {error}"
+            break
+        progress(float(depth))
+    column = [np.array([row[k] for row in rows], float) for k in range(9)]
+    return PressRecord(
+        site.contact_point,
+        site.normal,
+        *column,
+        tuple(ladders),
+        _work_mismatch(column[0], column[1] @ site.normal, column[3]),
+        reason == "",
+        reason,
+        site.body.equation_count,
+        ladder.newton_steps,
+        time.perf_counter() - begun,
+        site.fidelity,
+    )
+
+
+def _reaction_error(site: Site, found: Equilibrium) -> float:
+    support = site.body.support_force(found.u, found.elastic)
+    return float(np.linalg.norm(found.contact.force - support) / max(np.linalg.norm(found.contact.force), 1e-300))
+
+
+def _sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: PressSettings) -> Sticking:
+    return Sticking(
+        site.surface,
+        settings.sticking_penalty * contact.penalty,
+        site.surface.points(found.u),
+        found.contact.traction,
+        contact.position.copy(),
+    )
+
+
+def _sticking_stiffness(site: Site, found: Equilibrium, stuck: Sticking) -> np.ndarray:
+    """K = sum_q w_q eps_s (1 - N du/dD), H du/dD = eps_s sum_q w_q N."""
+    if not found.contact.area:
+        return np.zeros((3, 3))
+    body, surface = site.body, site.surface
+    body.linearise(found.u, stuck.hessian(found.u, False), 0.0)
+    free = body.equation >= 0
+    load = stuck.load_of_translation(len(found.u))
+    stiffness = np.zeros((3, 3))
+    for k in range(3):
+        response = np.zeros(len(free))
+        response[free] = body.solve(load[:, :, k].ravel()[free])
+        # transposed load gives sum_q w_q eps_s N du/dD for each direction at once
+        stiffness[:, k] = -np.einsum("nij,ni->j", load, response.reshape(-1, 3))
+        stiffness[k, k] += stuck.penalty * float(np.sum(surface.weight[stuck._acting]))
+    return 0.5 * (stiffness + stiffness.T)
+
+
+def _lateral_ladder(
+    site: Site,
+    found: Equilibrium,
+    stuck: Sticking,
+    depth: float,
+    moves: np.ndarray,
+    settings: PressSettings,
+    ladder: _Ladder,
+) -> LateralLadder:
+    u = found.u
+    forces, energies = [found.contact.force], [found.elastic.energy]
+    for move in np.atleast_2d(moves):
+        stuck.translation = np.asarray(move, float)
+        state = equilibrate(site.body, stuck, u, 1e-4, ladder.force_floor)
+        stuck.update(state.u)
+        state = equilibrate(site.body, stuck, state.u, settings.tolerance, ladder.force_floor)
+        ladder.newton_steps += state.iterations
+        u = state.u
+        forces.append(state.contact.force)
+        energies.append(state.elastic.energy)
+    deflection = np.concatenate([np.zeros((1, 3)), np.atleast_2d(moves)])
+    return LateralLadder(depth, deflection, np.array(forces), np.array(energies))
+
+
+def _work_mismatch(depth: np.ndarray, force: np.ndarray, energy: np.ndarray) -> float:
+    """Largest |W - integral f dd| / W_end; cubic spline through f in sqrt-like abscissa would gain nothing here."""
+    if len(depth) < 4:
+        return 0.0
+    from scipy.interpolate import CubicSpline
+
+    # f ~ d^1.5 near touch: integrate f in s = sqrt(d), where it is smooth: integral f dd = integral f 2 s ds
+    s = np.sqrt(depth)
+    work = CubicSpline(s, force * 2.0 * s).antiderivative()(s)
+    return float(np.max(np.abs(energy - work)) / max(energy[-1], 1e-300))

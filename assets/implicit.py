@@ -5,8 +5,8 @@
     union     min_s(f, g) = min(f, g) - s h^2 / 4,       h = max(1 - |f - g| / s, 0)
     cut       max_s(f, -g) = -min_s(-f, g)
 
-(Quilez, Smooth Minimum, 2013: the quadratic polynomial blend.)  s (m) is the width of the blend.  Ellipsoids are
-not exact distances: f = |p/r| (|p/r| - 1) / |p/r^2|, right to first order at the surface.
+(Quilez, Smooth Minimum, 2013: the quadratic polynomial blend.)  s (m) is the width of the blend.
+Ellipsoids are not exact distances: f = |p/r| (|p/r| - 1) / |p/r^2|, right to first order at the surface.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def ellipsoid(
     r = np.asarray(radii, float)
     k0 = np.linalg.norm(q / r, axis=1)
     k1 = np.linalg.norm(q / r**2, axis=1)
-    return k0 * (k0 - 1.0) / np.maximum(k1, 1e-9)
+    return np.where(k1 > 1e-9, k0 * (k0 - 1.0) / np.maximum(k1, 1e-9), -r.min())
 
 
 def capsule(

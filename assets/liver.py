@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A liver-like organ: two lobes, a thin left edge, a gallbladder bed, a domed upper and a hollow lower face.
 
-Axes: x to the patient's left, y to the back, z to the head; m.  Shapes and sizes are drawn by eye after anatomy
-atlases' proportions; nothing is taken from a scan.
+Axes: x to the patient's left, y to the back, z to the head; m.  Shapes and sizes are drawn by eye after the
+proportions of a liver; nothing is taken from a scan.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The phantoms that ship with palpate: their shapes, their tissue, and the files made of them.
 
-Each phantom is a binary PLY in metres and, beside it, a JSON file that says where it comes from: the generator and
-its parameters, what was measured on the mesh, and the tissue constants with their source.
+Each phantom is a binary PLY in metres and, beside it, a JSON file that says where it comes from: the
+generator and its parameters, what was measured on the mesh, and the tissue constants with their source.
 """
 
 from __future__ import annotations

@@ -3,9 +3,9 @@
 """Even triangles on an implicit surface f(x) = 0, f > 0 outside: surface nets, projection, relaxation.
 
 One vertex in each grid cell that the surface crosses, one quad around each grid edge that it crosses (Gibson,
-Constrained Elastic Surface Nets, 1998); then each vertex alternately slides towards its neighbours' middle and
-steps back onto the surface, x <- x - f grad f / |grad f|^2.  NumPy alone, no random numbers: the same everywhere
-up to the last bits of the elementary functions.
+Constrained Elastic Surface Nets, 1998); then each vertex alternately slides towards its neighbours' middle
+and steps back onto the surface, x <- x - f grad f / |grad f|^2.  NumPy alone, no random numbers: the same
+everywhere up to the last bits of the elementary functions.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ def surface_net(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The surface inside a box as vertices (V, 3) m and outward triangles (F, 3) int32.
 
-    low, high (3,) m: a box that holds the whole surface; spacing m: the grid's, about the length of the edges.
+    low, high (3,) m: a box that holds the whole surface; spacing m: the grid's, about the length of the
+    edges.
 
     Raises:
         ValueError: the surface leaves the box, or does not meet the grid.
@@ -61,7 +62,7 @@ def surface_net(
 
 
 def _quads(inside: np.ndarray, number: np.ndarray, axis: int) -> np.ndarray:
-    """(Q, 4) cells around each grid edge along `axis` that the surface crosses, counter-clockwise from outside."""
+    """(Q, 4) cells around each grid edge along `axis` that the surface crosses, outward."""
     ahead = np.moveaxis(inside, axis, 0)
     here, there = ahead[:-1], ahead[1:]
     turned = np.moveaxis(number, axis, 0)  # cyclic order of the two other axes decides the sense of rotation

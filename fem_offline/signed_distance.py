@@ -5,10 +5,9 @@
     phi(q) = s(q) min_{x on surface} |q - x|,      s(q) = -1 where the winding number w(q) > 1/2, else +1
 
 The distance is exact (bounding-box tree).  The sign comes from the fast winding number, which is right
-however far the point is and however sharp the crease; where it is not clear-cut (within a hair of the
-surface, or close to a crease) the angle-weighted pseudonormal at the closest point decides, which is exact
-for closed surfaces (Baerentzen and Aanaes, Signed Distance Computation Using the Angle Weighted
-Pseudonormal, 2005). Winding numbers: Barill et al., Fast Winding Numbers for Soups and Clouds, 2018.
+however far the point is and however sharp the crease; where it is not clear-cut, and within a hair of the
+surface, the angle-weighted pseudonormal at the closest point decides (Baerentzen and Aanaes, Signed Distance
+Computation Using the Angle Weighted Pseudonormal, 2005).  Winding numbers: Barill et al., Fast Winding Numbers for Soups and Clouds, 2018.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ import numpy as np
 __all__ = ["SignedDistance", "vertex_normals"]
 
 _CLEAR = 0.1
-"""A closed surface's winding number is 0 or 1; farther than this from both, the pseudonormal decides."""
+"""A closed surface's winding numbers are whole; farther than this from one, the pseudonormal decides."""
 
 _HAIR = 1e-6
 """Closer than this, in longest sides, it decides too: solid angles lose their digits there."""
@@ -94,7 +93,7 @@ class SignedDistance:
         winding = self._winding.winding_number(points)
         sign = np.where(winding > 0.5, -1.0, 1.0)
         near = np.einsum("ij,ij->i", points - closest, points - closest) < self._hair**2
-        unclear = np.flatnonzero(near | (np.minimum(np.abs(winding), np.abs(winding - 1.0)) > _CLEAR))
+        unclear = np.flatnonzero(near | (np.abs(winding - np.round(winding)) > _CLEAR))
         if len(unclear):
             normal = self._pseudonormal(triangle[unclear], closest[unclear])
             side = np.einsum("ij,ij->i", points[unclear] - closest[unclear], normal)

@@ -110,9 +110,9 @@ def _tool(key: str, tool: Tool, scene: Scene) -> Iterator[Unsupported]:
         yield from _switch(f"{key}.radius", list(tool.radius), "several radii of a tool", "one radius")
     if tool.tilt is not None:
         yield from _switch(f"{key}.tilt", list(tool.tilt), "tilted tools", "no tilt")
-    if tool.shape == "sphere" and tool.radius is not None:
+    if tool.shape == "sphere" and tool.radius:
         ratio = CAPABILITIES["depth over tool radius"]
-        limit = ratio * tool.radius[0]
+        limit = ratio * min(tool.radius)
         if scene.depth_max(tool) > limit * (1.0 + 1e-9):
             what = f'presses deeper than {ratio:g} x the radius of tool "{tool.name}"'
             yield "reach.depth_max", scene.depth_max(tool), what, f"at most {limit:g} m"

@@ -42,7 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except typer.Exit as end:
         return end.exit_code
     except typer.TyperException as error:  # wrong options or arguments
-        error.show()
+        show = getattr(error, "show", None)  # usage and hint, where typer has them
+        show() if show else print(f"palpate: {error.format_message()}", file=sys.stderr)
         if "--json" in given:
             problem = InputProblem("", "", None, error.format_message())
             print(json.dumps({"error": {"exit_code": 2, "problems": [problem.as_json()]}}))

@@ -70,12 +70,15 @@ class HalfSpace(Table):
 class Place(Table):
     """A table that says where: at most one of box, sphere, half_space and surface."""
 
-    box: Box | None = Field(None, description="{ min = [x, y, z], max = [x, y, z] }, m")
-    sphere: Sphere | None = Field(None, description="{ center = [x, y, z], radius = r }, m")
+    box: Box | None = Field(default=None, description="{ min = [x, y, z], max = [x, y, z] }, m")
+    sphere: Sphere | None = Field(default=None, description="{ center = [x, y, z], radius = r }, m")
     half_space: HalfSpace | None = Field(
-        None, description="{ point = [x, y, z], normal = [x, y, z] }; holds what the normal points away from"
+        default=None,
+        description="{ point = [x, y, z], normal = [x, y, z] }; holds what the normal points away from",
     )
-    surface: SurfaceFile | None = Field(None, description="a closed surface file in m; holds its inside")
+    surface: SurfaceFile | None = Field(
+        default=None, description="a closed surface file in m; holds its inside"
+    )
 
     @property
     def is_given(self) -> bool:

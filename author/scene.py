@@ -42,11 +42,13 @@ class Scene(Table):
 
     scene: SceneHead
     organ: Organ
-    reach: Reach = Field(Reach(), description="the surface that a tool can touch, everything when absent")
+    reach: Reach = Field(
+        default=Reach(), description="the surface that a tool can touch, everything when absent"
+    )
     tool: tuple[Tool, ...] = Field(min_length=1, description="at least one tool")
-    accuracy: Accuracy = Field(Accuracy(), description="how true the field has to be")
-    device: Device | None = Field(None, description="the haptic device, for certify")
-    file: Path = Field(Path("."), exclude=True)
+    accuracy: Accuracy = Field(default=Accuracy(), description="how true the field has to be")
+    device: Device | None = Field(default=None, description="the haptic device, for certify")
+    file: Path = Field(default=Path("."), exclude=True)
     _written: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @property

@@ -69,7 +69,7 @@ class SceneHead(Table):
 
     name: Identifier = Field(description="names the asset: letters, digits and underscores")
     effects: Annotated[tuple[Effect, ...], Field(min_length=1), AfterValidator(_in_order)] = Field(
-        ("response",), description="only these are modelled: " + " ".join(EFFECTS)
+        default=("response",), description="only these are modelled: " + " ".join(EFFECTS)
     )
 
 
@@ -84,23 +84,31 @@ class Material(Table):
     model: Literal["linear", "neo_hookean", "mooney_rivlin", "ogden", "yeoh", "veronda_westmann"] = Field(
         description="linear neo_hookean mooney_rivlin ogden yeoh veronda_westmann"
     )
-    youngs_modulus: Pressure | None = Field(None, description="Young's modulus at rest, above 0")
+    youngs_modulus: Pressure | None = Field(default=None, description="Young's modulus at rest, above 0")
     mu: Annotated[tuple[Pressure, ...], OneOrMore] | None = Field(
-        None, description="shear modulus, above 0; ogden: one for each term"
+        default=None, description="shear modulus, above 0; ogden: one for each term"
     )
-    alpha: Annotated[tuple[Number, ...], OneOrMore] | None = Field(None, description="ogden exponents, not 0")
-    c10: Pressure | None = Field(None, description="mooney_rivlin, yeoh: first constant, above 0")
+    alpha: Annotated[tuple[Number, ...], OneOrMore] | None = Field(
+        default=None, description="ogden exponents, not 0"
+    )
+    c10: Pressure | None = Field(default=None, description="mooney_rivlin, yeoh: first constant, above 0")
     c01: Annotated[float, Quantity("pressure", least=0)] | None = Field(
-        None, description="mooney_rivlin: second constant, at least 0"
+        default=None, description="mooney_rivlin: second constant, at least 0"
     )
-    c20: Annotated[float, Quantity("pressure")] | None = Field(None, description="yeoh: second constant")
-    c30: Annotated[float, Quantity("pressure")] | None = Field(None, description="yeoh: third constant")
-    c1: Pressure | None = Field(None, description="veronda_westmann: psi = c1 (exp(c2 (I1 - 3)) - 1) - ...")
+    c20: Annotated[float, Quantity("pressure")] | None = Field(
+        default=None, description="yeoh: second constant"
+    )
+    c30: Annotated[float, Quantity("pressure")] | None = Field(
+        default=None, description="yeoh: third constant"
+    )
+    c1: Pressure | None = Field(
+        default=None, description="veronda_westmann: psi = c1 (exp(c2 (I1 - 3)) - 1) - ..."
+    )
     c2: Annotated[float, Quantity("fraction", above=0)] | None = Field(
-        None, description="veronda_westmann: exponent, above 0"
+        default=None, description="veronda_westmann: exponent, above 0"
     )
     poissons_ratio: Annotated[float, Quantity("fraction", least=0, below=0.5)] = Field(
-        0.49, description="Poisson's ratio at rest, at least 0 and below 0.5"
+        default=0.49, description="Poisson's ratio at rest, at least 0 and below 0.5"
     )
 
     @property
@@ -136,9 +144,9 @@ class Capsule(Table):
 class Support(Place):
     """[[organ.support]]: what holds the organ."""
 
-    kind: Literal["fixed", "elastic"] = Field("fixed", description="fixed | elastic")
+    kind: Literal["fixed", "elastic"] = Field(default="fixed", description="fixed | elastic")
     stiffness: Annotated[float, Quantity("pressure per length", above=0)] | None = Field(
-        None, description="of an elastic support, per area, above 0"
+        default=None, description="of an elastic support, per area, above 0"
     )
 
 
@@ -146,7 +154,7 @@ class Paint(Table):
     """[organ.paint]: scalars per vertex of the surface file."""
 
     stiffness_scale: str | None = Field(
-        None, min_length=1, description="name of the vertex attribute that scales stiffness"
+        default=None, min_length=1, description="name of the vertex attribute that scales stiffness"
     )
 
 
@@ -155,17 +163,20 @@ class Organ(Table):
 
     surface: SurfaceFile = Field(description="a surface file (OBJ, STL, PLY, GLB, ...) or a USD mesh")
     units: Unit | None = Field(
-        None, description="of the surface file: m (default), cm, mm; USD brings its own"
+        default=None, description="of the surface file: m (default), cm, mm; USD brings its own"
     )
-    repair: Literal["auto", "wrap", "none"] = Field("auto", description="auto | wrap | none")
+    repair: Literal["auto", "wrap", "none"] = Field(default="auto", description="auto | wrap | none")
     mesh_size: Length | None = Field(
-        None, description="target edge of the organ-wide tetrahedra; 1/32 of the organ's diagonal when absent"
+        default=None,
+        description="target edge of the organ-wide tetrahedra; 1/32 of the organ's diagonal when absent",
     )
-    material: Material = Field(LIVER_AT_REST, description="a material table; liver at rest when absent")
-    region: tuple[Region, ...] = Field((), description="inclusions")
-    capsule: Capsule | None = Field(None, description="a thin stiff skin")
+    material: Material = Field(
+        default=LIVER_AT_REST, description="a material table; liver at rest when absent"
+    )
+    region: tuple[Region, ...] = Field(default=(), description="inclusions")
+    capsule: Capsule | None = Field(default=None, description="a thin stiff skin")
     support: tuple[Support, ...] = Field(min_length=1, description="at least one place that holds the organ")
-    paint: Paint | None = Field(None, description="scalars per vertex of the surface file")
+    paint: Paint | None = Field(default=None, description="scalars per vertex of the surface file")
 
     @property
     def metres_per_unit(self) -> float:
@@ -177,7 +188,7 @@ class Reach(Place):
     """[reach]: the surface that a tool can touch, everything when no place is given."""
 
     depth_max: Length | None = Field(
-        None, description="deepest press, above 0; the tool's smallest radius when absent"
+        default=None, description="deepest press, above 0; the tool's smallest radius when absent"
     )
 
 
@@ -189,27 +200,27 @@ class Tool(Table):
         description="sphere flat_punch cylinder cone capsule mesh"
     )
     radius: Annotated[tuple[Length, ...], OneOrMore] | None = Field(
-        None, description="above 0; several radii make a family"
+        default=None, description="above 0; several radii make a family"
     )
     edge_radius: Length | None = Field(
-        None, description="rounding of a flat punch's edge or a cone's tip, above 0"
+        default=None, description="rounding of a flat punch's edge or a cone's tip, above 0"
     )
     half_angle: Annotated[float, Quantity("angle", above=0, below=math.pi / 2)] | None = Field(
-        None, description="of a cone, between axis and flank, above 0 and below 90 deg"
+        default=None, description="of a cone, between axis and flank, above 0 and below 90 deg"
     )
-    length: Length | None = Field(None, description="of a cylinder or capsule, above 0")
-    surface: SurfaceFile | None = Field(None, description="surface file of a mesh tool")
-    units: Unit | None = Field(None, description="of the tool's surface file: m (default), cm, mm")
-    tip: Point | None = Field(None, description="the tool point, in the tool's frame, m")
-    axis: Direction | None = Field(None, description="points out of the tissue, in the tool's frame")
+    length: Length | None = Field(default=None, description="of a cylinder or capsule, above 0")
+    surface: SurfaceFile | None = Field(default=None, description="surface file of a mesh tool")
+    units: Unit | None = Field(default=None, description="of the tool's surface file: m (default), cm, mm")
+    tip: Point | None = Field(default=None, description="the tool point, in the tool's frame, m")
+    axis: Direction | None = Field(default=None, description="points out of the tissue, in the tool's frame")
     tilt: (
         Annotated[
             tuple[Annotated[float, Quantity("angle", above=-math.pi / 2, below=math.pi / 2)], ...], OneOrMore
         ]
         | None
-    ) = Field(None, description="the ways of touching that get a response of their own, below 90 deg")
+    ) = Field(default=None, description="the ways of touching that get a response of their own, below 90 deg")
     friction: Annotated[float, Quantity("fraction", least=0, most=2)] | None = Field(
-        None, description="Coulomb coefficient between tool and tissue, 0 to 2"
+        default=None, description="Coulomb coefficient between tool and tissue, 0 to 2"
     )
 
     def shape_digest(self) -> str:
@@ -228,38 +239,40 @@ class Accuracy(Table):
     """[accuracy]"""
 
     force_tolerance: Annotated[float, Quantity("fraction", least=0.001, most=0.5)] = Field(
-        0.035, description="of held-out force at the 95th percentile, 0.1 % to 50 %"
+        default=0.035, description="of held-out force at the 95th percentile, 0.1 % to 50 %"
     )
-    response: Literal["potential", "axial"] = Field("potential", description="potential | axial")
+    response: Literal["potential", "axial"] = Field(default="potential", description="potential | axial")
     fidelity: Literal["linear", "near_field", "full"] = Field(
-        "near_field", description="linear | near_field | full"
+        default="near_field", description="linear | near_field | full"
     )
     time_budget: Annotated[float, Quantity("time", above=0)] | None = Field(
-        None, description="the best field that this buys, above 0"
+        default=None, description="the best field that this buys, above 0"
     )
     held_out: Annotated[int, Strict(), Field(ge=1, le=100_000)] = Field(
-        40, description="fresh presses that judge the field and never build it: a whole number from 1"
+        default=40, description="fresh presses that judge the field and never build it: a whole number from 1"
     )
-    seed: Annotated[int, Strict(), Field(ge=0)] = Field(1, description="a whole number from 0")
+    seed: Annotated[int, Strict(), Field(ge=0)] = Field(default=1, description="a whole number from 0")
     knots: Annotated[
         int | Literal["auto"],
         BeforeValidator(_knots),
         WithJsonSchema({"anyOf": [{"const": "auto"}, {"type": "integer", "minimum": 4, "maximum": 64}]}),
-    ] = Field("auto", description='"auto" or a count from 4 to 64')
+    ] = Field(default="auto", description='"auto" or a count from 4 to 64')
 
 
 class Device(Table):
     """[device]: a profile by name, or the numbers themselves."""
 
-    profile: str | None = Field(None, min_length=1, description="name of a device")
+    profile: str | None = Field(default=None, min_length=1, description="name of a device")
     damping: Annotated[float, Quantity("damping", least=0)] | None = Field(
-        None, description="viscous, at least 0"
+        default=None, description="viscous, at least 0"
     )
     friction: Annotated[float, Quantity("force", least=0)] | None = Field(
-        None, description="Coulomb, at least 0"
+        default=None, description="Coulomb, at least 0"
     )
-    resolution: Length | None = Field(None, description="of position, above 0")
-    max_force: Annotated[float, Quantity("force", above=0)] | None = Field(None, description="above 0")
+    resolution: Length | None = Field(default=None, description="of position, above 0")
+    max_force: Annotated[float, Quantity("force", above=0)] | None = Field(
+        default=None, description="above 0"
+    )
     rate: Annotated[float, Quantity("frequency", above=0)] = Field(
-        1000.0, description="of the servo loop, above 0"
+        default=1000.0, description="of the servo loop, above 0"
     )

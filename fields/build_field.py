@@ -4,7 +4,8 @@
 
 1. Krige log(Phi / d^2.5) over the surface at every depth knot, B as gradient data (site_curves.py).
 2. Sample tool positions through the band, predict a curve for each, find a few shared curves and amplitudes.
-3. Fit the amplitudes to a lattice, constant along the normal, tapered C1 to zero beyond the reach.
+3. Fit the amplitudes to a lattice, constant along the normal; beyond the reach its coefficients end, so that
+   amplitudes and their slopes fall to zero within the margin.
 4. Measure what that lost, at the nodes and between them.
 """
 
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from scipy import ndimage
+from scipy.spatial import cKDTree
 
 from palpate.fields.contact_geometry import ScalarField, known_cells
 from palpate.fields.interpolation import evaluate
@@ -29,8 +31,6 @@ __all__ = ["build_field"]
 
 INTERVALS = 32
 """Uniform intervals of the shared curves (count); the first ends at 0.5 % of a Hertz contact's deepest force."""
-TAPER_START = 0.3
-"""Share of the margin where the taper begins: the lattice rounds its corner, which must not reach into the reach."""
 NODE_WEIGHT = 4.0
 """Weight of a sample at a node's own press against one between nodes."""
 SMOOTHING, HOLD = 1e-3, 1e-6
@@ -45,8 +45,9 @@ def build_field(
     *,
     amplitude_spacing: float = 4e-3,
     rank: int = 3,
-    margin: float = 8e-3,
+    margin: float = 12e-3,
     normal_length: float = 20e-3,
+    with_gradients: bool = True,
     provenance: dict[str, Any] | None = None,
 ) -> ResponseField:
     """Build the response field.
@@ -58,8 +59,10 @@ def build_field(
         reach: (n, 3) -> (n,) m; <= 0 where the scene lets the tool touch, metres beyond elsewhere.
         amplitude_spacing: m, of the amplitude lattice.
         rank: shared energy curves (count).
-        margin: m beyond the reach over which amplitudes fall to zero.
+        margin: m beyond the reach within which amplitudes fall to zero; at least 2.5, better 3 amplitude
+            spacings: a coefficient reaches 1.5 spacings, both into the reach and away from it.
         normal_length: L of the embedding, m (kriging.py).
+        with_gradients: krige with B; without it only for comparison, it costs twice the presses.
         provenance: copied to the field.
 
     Returns:
@@ -68,14 +71,16 @@ def build_field(
     Raises:
         ValueError: energy or force of a node is not positive at a depth knot above 0, or nothing is in reach.
     """
-    sites = SiteCurves.from_nodes(nodes, geometry, tool.offset, normal_length)
-    q, surface, normal, kept, cells = band_samples(geometry, tool.offset, reach, amplitude_spacing, margin)
+    sites = SiteCurves.from_nodes(
+        nodes, geometry, tool.offset, normal_length, with_gradients=with_gradients
+    )
+    q, surface, normal, cells, beyond = band_samples(geometry, tool.offset, reach, amplitude_spacing, margin)
+    inside = np.flatnonzero(reach(surface) <= 0)
     held = nodes.position[:, None] + (tool.offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
     q = np.concatenate([q, held.reshape(-1, 3)])
     repeat = nodes.depth_knots.size - 1
     surface = np.concatenate([surface, np.repeat(nodes.position, repeat, axis=0)])
     normal = np.concatenate([normal, np.repeat(nodes.normal, repeat, axis=0)])
-    kept = np.concatenate([kept, taper(reach(np.repeat(nodes.position, repeat, axis=0)), margin)])
     weight = np.where(np.arange(len(q)) < len(q) - held.shape[0] * repeat, 1.0, NODE_WEIGHT)
 
     depth_end = float(nodes.depth_knots[-1])
@@ -86,28 +91,18 @@ def build_field(
     stiffness_curves, stiffness = shared_or_zero(curves.friction_stiffness, depth_end, 2)
     friction_curves, friction = shared_or_zero(curves.friction_coefficient, depth_end, 2)
 
-    targets = np.concatenate([energy.amplitudes, stiffness, friction], axis=1) * kept[:, None]
+    targets = np.concatenate([energy.amplitudes, stiffness, friction], axis=1)
     deepest = curves.force[:, -1]
     weight = weight * (np.exp(np.mean(np.log(deepest))) / deepest) ** 2
-    amplitudes = amplitude_lattice(q, targets, weight, cells, amplitude_spacing)
+    amplitudes = amplitude_lattice(q, targets, weight, cells, beyond, amplitude_spacing, margin)
     field = ResponseField(
         tool, geometry, nodes, energy.curves, stiffness_curves, friction_curves, amplitudes, depth_end,
         {}, dict(provenance or {}),
     )
-    inside = kept == 1.0
     field.representation.update(sites.report())
     field.representation["low_rank_force_p95"] = energy.error_p95
     field.representation.update(representation_errors(field, sites, q[inside], surface[inside], normal[inside]))
     return field
-
-
-def taper(beyond: np.ndarray, margin: float) -> np.ndarray:
-    """1 in reach and a little beyond, 0 from `margin` on, C1 between.
-
-    1 - 3 x^2 + 2 x^3 with x from 0 at TAPER_START margins to 1 at one margin.
-    """
-    x = np.clip((np.asarray(beyond, dtype=float) / margin - TAPER_START) / (1.0 - TAPER_START), 0.0, 1.0)
-    return 1.0 - x * x * (3.0 - 2.0 * x)
 
 
 def band_samples(
@@ -117,22 +112,24 @@ def band_samples(
 
     Returns:
         Of the samples, at most one in each (spacing / 2)^3 of the band: position (n, 3) m, surface point (n, 3) m,
-        normal (n, 3), taper (n,).  Then all positions (m, 3) m that the geometry knows, in contact or nearly, and
-        not beyond the margin: each one's coefficients must exist.
+        normal (n, 3).  Then all positions (m, 3) m that the geometry knows, in contact or nearly, and not beyond the
+        margin, and how far beyond the reach (m,) m each one's surface point lies.
     """
     lattice = geometry.signed_distance
     points = lattice.origin + (known_cells(lattice) + 0.5) * lattice.spacing
     phi = sample_lattice(lattice, points).value[:, 0]
     points, phi = points[phi < offset + lattice.spacing], phi[phi < offset + lattice.spacing]
     surface, normal = foot_points(geometry, points)
-    kept = taper(reach(surface), margin)
-    if not (kept > 0).any():
+    beyond = reach(surface)
+    if not (beyond <= 0).any():
         raise ValueError("response field: no tool position in contact lies within the reach")
+    near = beyond < margin
+    points, phi, surface, normal, beyond = (a[near] for a in (points, phi, surface, normal, beyond))
     sampled = phi > geometry.band[0] - 0.5 * spacing
     voxel = np.floor(points[sampled] / (0.5 * spacing)).astype(np.int64)
     _, first = np.unique(voxel, axis=0, return_index=True)
     chosen = np.flatnonzero(sampled)[np.sort(first)]
-    return points[chosen], surface[chosen], normal[chosen], kept[chosen], points[kept > 0]
+    return points[chosen], surface[chosen], normal[chosen], points, beyond
 
 
 def shared_or_zero(values: np.ndarray, depth_end: float, rank: int) -> tuple[DepthCurves, np.ndarray]:
@@ -149,12 +146,22 @@ def shared_or_zero(values: np.ndarray, depth_end: float, rank: int) -> tuple[Dep
 
 
 def amplitude_lattice(
-    q: np.ndarray, targets: np.ndarray, weight: np.ndarray, cells: np.ndarray, spacing: float
+    q: np.ndarray,
+    targets: np.ndarray,
+    weight: np.ndarray,
+    cells: np.ndarray,
+    beyond: np.ndarray,
+    spacing: float,
+    margin: float,
 ) -> Lattice:
-    """Fit channels `targets` (n, C) at `q` (n, 3); every coefficient that `cells` (m, 3) points touch exists.
+    """Fit channels `targets` (n, C) at `q` (n, 3) and end them within `margin` m of the reach.
 
-    Two more coefficients all round are stored as zeros, so that a cell that touches an absent block is zero
-    altogether and it does not matter whether a reader takes an absent block for zeros or the whole cell.
+    Every coefficient that the positions `cells` (m, 3) touch is solved for.  Then each is scaled by how far `beyond`
+    the reach its nearest position is: 1 up to margin - 1.75 spacings, 0 from margin - 1.5 spacings on, where its
+    support would leave the margin.  The spline stays C1 whatever its coefficients are; scaling them, rather
+    than fitting tapered targets, keeps the steep edge from disturbing the reach.  Two more coefficients
+    all round are stored as zeros, so that it does not matter whether a reader takes an absent block for zeros
+    or takes every cell that touches one for zero.
     """
     origin = np.floor(np.minimum(q.min(axis=0), cells.min(axis=0)) / spacing) * spacing - 4 * spacing
     top = np.maximum(q.max(axis=0), cells.max(axis=0)) + 5 * spacing
@@ -163,9 +170,14 @@ def amplitude_lattice(
     wanted[tuple(stencil(cells, origin, spacing).index.reshape(-1, 3).T)] = True
     fit = LatticeFit(origin, spacing, wanted)
     coefficients = fit.solve(q, targets, weight, smoothing=SMOOTHING, hold=HOLD)
+    centre = origin + (fit.index - 0.5) * spacing  # coefficient j's B-spline is centred in cell j - 1
+    _, nearest = cKDTree(cells).query(centre)
+    kept = np.clip((margin / spacing - 1.5 - beyond[nearest] / spacing) / 0.25, 0.0, 1.0)
     dense = np.zeros((*wanted.shape, targets.shape[1]))
-    dense[tuple(fit.index.T)] = coefficients
-    present = blocks_of(ndimage.binary_dilation(wanted, np.ones((5, 5, 5))))
+    dense[tuple(fit.index.T)] = coefficients * kept[:, None]
+    nonzero = np.zeros(wanted.shape, dtype=bool)
+    nonzero[tuple(fit.index[kept > 0].T)] = True
+    present = blocks_of(ndimage.binary_dilation(nonzero, np.ones((5, 5, 5))))
     return lattice_from_values(origin, spacing, dense, present, np.full(present.shape, ABSENT_UNREACHED))
 
 

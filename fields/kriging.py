@@ -31,6 +31,11 @@ CHUNK = 4096
 """Prediction points handled at once (count); bounds memory."""
 
 
+NOISE_BOUNDS = ((1e-6, 1.0), (1e-4, 10.0))
+"""Least and largest noise shares, of values and of gradients.  A dozen presses cannot tell small noise from none;
+below these floors, likelihood would trust FEM gradients more than any FEM gradient deserves."""
+
+
 @dataclass(frozen=True)
 class KrigingSettings:
     """Covariance parameters.
@@ -111,14 +116,14 @@ def fit_kriging(
     y = np.concatenate([values[:, None], gradients], axis=1).reshape(-1, columns)  # point by point
     if not (np.isfinite(y).all() and np.isfinite(z).all()):
         raise ValueError("kriging: data must be finite")
-    distance = cdist(z, z)
-    apart = distance[~np.eye(count, dtype=bool)]
+    pairs = Pairs.of(z, directions)
+    apart = pairs.r[~np.eye(count, dtype=bool)]
     if count > 1 and apart.min() < 1e-9:
         raise ValueError("kriging: two points coincide")
     scored_y = y if scored is None else y[:, scored]
     if settings is None:
-        settings = likeliest_settings(z, directions, scored_y, apart)
-    solved = Solved.from_data(z, directions, y, settings)
+        settings = likeliest_settings(pairs, scored_y)
+    solved = Solved.from_data(pairs, y, settings)
     return Kriging(
         z,
         directions,
@@ -126,22 +131,21 @@ def fit_kriging(
         solved.mean,
         solved.weights,
         solved.left_out(directions.shape[1] + 1),
-        Solved.from_data(z, directions, scored_y, settings).log_likelihood,
+        Solved.from_data(pairs, scored_y, settings).log_likelihood,
     )
 
 
-def likeliest_settings(
-    z: np.ndarray, directions: np.ndarray, y: np.ndarray, apart: np.ndarray
-) -> KrigingSettings:
+def likeliest_settings(pairs: Pairs, y: np.ndarray) -> KrigingSettings:
     """Maximum likelihood within bounds: a coarse grid, then a local search from its best point."""
-    if len(z) < 4 or np.ptp(y[:: directions.shape[1] + 1], axis=0).max() == 0:
-        return KrigingSettings(float(apart.max(initial=0.05)), 1e-4, 1e-2)
-    with_gradient = directions.shape[1] > 0
-    span = apart.max()
-    closest = np.median(np.min(cdist(z, z) + np.diag(np.full(len(z), np.inf)), axis=1))
-    bounds = [(np.log(0.5 * closest), np.log(4 * span)), (np.log(1e-7), np.log(1.0))]
-    if with_gradient:
-        bounds.append((np.log(1e-6), np.log(10.0)))
+    count, tangents = pairs.left.shape[:2]
+    span = pairs.r.max(initial=0.0)
+    if count < 4 or np.ptp(y[:: tangents + 1], axis=0).max() == 0:
+        return KrigingSettings(float(span) or 0.05, 1e-4, 1e-2)
+    with_gradient = tangents > 0
+    closest = np.median(np.min(pairs.r + np.diag(np.full(count, np.inf)), axis=1))
+    bounds = [(np.log(0.5 * closest), np.log(4 * span)), *np.log(NOISE_BOUNDS)]
+    if not with_gradient:
+        bounds.pop()
 
     def settings_of(x: np.ndarray) -> KrigingSettings:
         return KrigingSettings(*np.exp(x[:2]).tolist(), float(np.exp(x[2])) if with_gradient else 1.0)
@@ -149,14 +153,14 @@ def likeliest_settings(
     def cost(x: np.ndarray) -> float:
         x = np.clip(x, [b[0] for b in bounds], [b[1] for b in bounds])
         try:
-            return -Solved.from_data(z, directions, y, settings_of(x)).log_likelihood
+            return -Solved.from_data(pairs, y, settings_of(x)).log_likelihood
         except np.linalg.LinAlgError:
             return 1e30
 
     starts = [
         np.array([np.log(length), np.log(noise), np.log(100 * noise)][: len(bounds)])
         for length in np.geomspace(closest, 2 * span, 5)
-        for noise in (1e-5, 1e-3, 1e-1)
+        for noise in (1e-5, 1e-3, 1e-2)
     ]
     best = min(starts, key=cost)
     found = minimize(cost, best, method="Nelder-Mead", bounds=bounds, options={"xatol": 0.02, "fatol": 1e-3, "maxfev": 150})
@@ -173,15 +177,16 @@ class Solved:
     mean: np.ndarray
     weights: np.ndarray
     log_likelihood: float
-    Q: np.ndarray
+    factor: tuple[np.ndarray, bool]
+    trend: np.ndarray  # K^-1 F / sqrt(F^T K^-1 F)
 
     @staticmethod
-    def from_data(z: np.ndarray, directions: np.ndarray, y: np.ndarray, settings: KrigingSettings) -> Solved:
-        K = covariance(z, directions, settings)
+    def from_data(pairs: Pairs, y: np.ndarray, settings: KrigingSettings) -> Solved:
+        K = covariance(pairs, settings)
         # Jitter far below any noise in FEM data; keeps the factor exact to 1e-6 or so.
         factor = cho_factor(K + 1e-10 * np.diag(np.diag(K)), lower=True)
         F = np.zeros(len(K))
-        F[:: directions.shape[1] + 1] = 1.0
+        F[:: pairs.left.shape[1] + 1] = 1.0
         KF = cho_solve(factor, F)
         Ky = cho_solve(factor, y)
         information = F @ KF
@@ -192,8 +197,7 @@ class Solved:
         log_det = 2 * np.sum(np.log(np.diag(factor[0])))
         # Restricted likelihood with variance profiled out, averaged over columns (they are correlated).
         log_likelihood = -0.5 * (np.mean((n - 1) * np.log(variance)) + log_det + np.log(information))
-        inverse = cho_solve(factor, np.eye(n))
-        return Solved(mean, weights, float(log_likelihood), inverse - np.outer(KF, KF) / information)
+        return Solved(mean, weights, float(log_likelihood), factor, KF / np.sqrt(information))
 
     def left_out(self, block: int) -> np.ndarray:
         """(N, C): value minus its prediction from the other points, e_I = Q_II^-1 (Q y)_I, and Q y = weights."""
@@ -201,7 +205,8 @@ class Solved:
         if count < 2:
             return np.zeros((count, self.weights.shape[1]))
         w = self.weights.reshape(count, block, -1)
-        Q = self.Q.reshape(count, block, count, block)[np.arange(count), :, np.arange(count)]
+        Q = cho_solve(self.factor, np.eye(len(self.weights))) - np.outer(self.trend, self.trend)
+        Q = Q.reshape(count, block, count, block)[np.arange(count), :, np.arange(count)]
         return np.linalg.solve(Q, w)[:, 0]
 
 
@@ -221,23 +226,39 @@ def cross_covariance(z: np.ndarray, nodes: np.ndarray, directions: np.ndarray, l
     return np.concatenate([k[:, :, None], slope[:, :, None] * along], axis=2).reshape(len(z), -1)
 
 
-def covariance(z: np.ndarray, directions: np.ndarray, settings: KrigingSettings) -> np.ndarray:
+@dataclass(frozen=True)
+class Pairs:
+    """What the data's covariance needs to know of each pair of points, once for all settings."""
+
+    r: np.ndarray  # (N, N)
+    left: np.ndarray  # (N, T, N), delta . u_i
+    right: np.ndarray  # (N, N, T), delta . v_j
+    dot: np.ndarray  # (N, T, N, T), u_i . v_j
+    bent: np.ndarray  # (N, T, N, T), (delta . u_i)(delta . v_j)
+
+    @staticmethod
+    def of(z: np.ndarray, directions: np.ndarray) -> Pairs:
+        count, tangents, size = directions.shape
+        flat = directions.reshape(-1, size)
+        own = np.einsum("itd,id->it", directions, z)
+        across = (flat @ z.T).reshape(count, tangents, count)  # u_i . z_j
+        left = own[:, :, None] - across
+        right = across.transpose(2, 0, 1) - own[None]
+        dot = (flat @ flat.T).reshape(count, tangents, count, tangents)
+        return Pairs(cdist(z, z), left, right, dot, left[:, :, :, None] * right[:, None])
+
+
+def covariance(pairs: Pairs, settings: KrigingSettings) -> np.ndarray:
     """(N (1 + T))^2 covariance of the data, noise included, for unit variance."""
-    count, tangents, _ = directions.shape
-    k, slope, bend = matern(cdist(z, z), settings.length)
+    count, tangents = pairs.left.shape[:2]
+    k, slope, bend = matern(pairs.r, settings.length)
     block = 1 + tangents
     K = np.empty((count, block, count, block))
     K[:, 0, :, 0] = k + settings.value_noise * np.eye(count)
     if tangents:
-        delta = z[:, None] - z[None]  # (i, j, D)
-        onto_right = np.einsum("ijd,jtd->ijt", delta, directions)  # delta . v_j
-        onto_left = np.einsum("ijd,itd->ijt", delta, directions)  # delta . u_i
-        K[:, 0, :, 1:] = slope[:, :, None] * onto_right
-        K[:, 1:, :, 0] = -(slope[:, :, None] * onto_left).transpose(0, 2, 1)
-        dot = np.einsum("itd,jsd->itjs", directions, directions)
-        K[:, 1:, :, 1:] = slope[:, None, :, None] * dot - bend[:, None, :, None] * (
-            onto_left.transpose(0, 2, 1)[:, :, :, None] * onto_right[:, None]
-        )
+        K[:, 0, :, 1:] = slope[:, :, None] * pairs.right
+        K[:, 1:, :, 0] = -slope[:, None, :] * pairs.left
+        K[:, 1:, :, 1:] = slope[:, None, :, None] * pairs.dot - bend[:, None, :, None] * pairs.bent
         noise = settings.gradient_noise * 5.0 / (3.0 * settings.length**2)
         for t in range(tangents):
             K[np.arange(count), 1 + t, np.arange(count), 1 + t] += noise

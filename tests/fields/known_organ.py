@@ -1,30 +1,46 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""An organ whose response is known exactly, for the field tests: an ellipsoid with a Hertz-like law.
+"""An organ whose response is known exactly, for the tests of fields: an ellipsoid with a Hertz-like law.
 
     U(q) = A(c(q)) d^2.5 (1 + beta(c) d / D),   d = rho - phi(q)
 
 with A and beta smooth functions of the nearest surface point c(q).  Lateral forces are exact: the gradient of U
-is taken by complex-free central differences of this U, independent of everything in palpate.fields.
+is taken by central differences of this U, independent of everything in palpate.fields.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from palpate.fields.node_fit import LateralLadder, PressArrays
+from palpate.fields.build_field import build_field
+from palpate.fields.contact_geometry import contact_geometry
+from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots
+from palpate.fields.response_field import ContactGeometry, ResponseField, ResponseNodes, ToolReference
+
+FLAT = (0.06, 0.05, 0.03)
+"""m, semi-axes of the usual test organ: radii of curvature of 83 to 120 mm at the pole, 8 to 20 mm at the rim."""
+BALL = (0.08, 0.08, 0.08)
+"""m."""
+RADIUS = 5e-3
+DEPTH = 5e-3
 
 
 @dataclass(frozen=True)
 class KnownOrgan:
-    """Semi-axes (3,) m; tool radius m; depth_max m; contrast of the modulus (log amplitude)."""
+    """Semi-axes m; tool radius m; depth_max m; contrast of the modulus (log amplitude); k / Phi''; friction."""
 
-    semi_axes: np.ndarray
-    radius: float = 5e-3
-    depth_max: float = 5e-3
+    axes: tuple[float, float, float] = FLAT
+    radius: float = RADIUS
+    depth_max: float = DEPTH
     contrast: float = 0.7
     stiffness_ratio: float = 0.7
+    friction: float = 0.1
+
+    @property
+    def semi_axes(self) -> np.ndarray:
+        return np.array(self.axes)
 
     def foot(self, q: np.ndarray) -> np.ndarray:
         """Nearest points of the ellipsoid (n, 3), by Newton on sum (a_i q_i / (t + a_i^2))^2 = 1."""
@@ -35,6 +51,8 @@ class KnownOrgan:
             value = np.sum(r**2, axis=1) - 1
             slope = -2 * np.sum(r**2 / (t[:, None] + a2), axis=1)
             t = t - value / slope
+            if np.all(np.abs(value) < 1e-14):
+                break
         return a2 * q / (t[:, None] + a2)
 
     def normal(self, c: np.ndarray) -> np.ndarray:
@@ -92,11 +110,42 @@ class KnownOrgan:
         t /= np.linalg.norm(t)
         at = np.array([q[5], q[10]])
         step = 1e-5
-        second = sum(-(self.force(at + x * n) @ n) * sign for x, sign in ((-step, -1.0), (step, 1.0))) / (2 * step)
+        second = (self.force(at - step * n) - self.force(at + step * n)) @ n / (2 * step)
         deflection = np.outer(np.linspace(0.1e-3, 0.5e-3, 4), t)
         ladders = []
         for i, state in enumerate((5, 10)):
             k = self.stiffness_ratio * second[i]
             change = -k * deflection + self.force(q[state] + deflection) - self.force(q[state : state + 1])
             ladders.append(LateralLadder(float(depth[state]), deflection, change, np.zeros(4)))
-        return PressArrays(c, n, depth, force, energy, ladders, 0.1, f"press-{c[0]:.6f}")
+        return PressArrays(c, n, depth, force, energy, ladders, self.friction, f"press-{c[0]:.6f}")
+
+
+@lru_cache
+def geometry_of(organ: KnownOrgan, spacing: float = 2e-3) -> ContactGeometry:
+    top = organ.axes[2]
+    bounds = np.array([[-0.045, -0.045, top - 0.03], [0.045, 0.045, top + 0.015]])
+    return contact_geometry(organ.signed_distance, organ.reach, bounds, (-0.5e-3, 6e-3), spacing=spacing)
+
+
+@lru_cache
+def nodes_of(organ: KnownOrgan, count: int, noise: float, seed: int) -> ResponseNodes:
+    rng = np.random.default_rng(seed)
+    presses = [organ.press(c, rng, noise) for c in organ.cap_points(count, rng)]
+    return fit_nodes(presses, uniform_knots(organ.depth_max), organ.radius, geometry_of(organ))
+
+
+@lru_cache
+def field_of(
+    organ: KnownOrgan, count: int, noise: float = 0.0, seed: int = 2, with_gradients: bool = True
+) -> ResponseField:
+    tool = ToolReference("ball", "sphere", organ.radius, {"radius": organ.radius}, "")
+    nodes = nodes_of(organ, count, noise, seed)
+    return build_field(nodes, geometry_of(organ), tool, organ.reach, with_gradients=with_gradients)
+
+
+def held_out(organ: KnownOrgan, count: int = 60, seed: int = 5) -> tuple[np.ndarray, np.ndarray]:
+    """Tool positions (5 count, 3) m at five depths from 20 % on above fresh cap points, and normals there."""
+    c = organ.cap_points(count, np.random.default_rng(seed), 19e-3)
+    n = organ.normal(c)
+    s = organ.radius - organ.depth_max * np.linspace(0.2, 1.0, 5)
+    return (c[None] + s[:, None, None] * n).reshape(-1, 3), np.tile(n, (5, 1))

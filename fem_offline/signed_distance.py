@@ -4,10 +4,11 @@
 
     phi(q) = s(q) min_{x on surface} |q - x|,      s(q) = -1 where the winding number w(q) > 1/2, else +1
 
-The distance is exact (bounding-box tree).  The sign comes from the fast winding number, which is right
-however far the point is and however sharp the crease; where it is not clear-cut, and within a hair of the
-surface, the angle-weighted pseudonormal at the closest point decides (Baerentzen and Aanaes, Signed Distance
-Computation Using the Angle Weighted Pseudonormal, 2005).  Winding numbers: Barill et al., Fast Winding Numbers for Soups and Clouds, 2018.
+The distance is exact (bounding-box tree).  The sign comes from the fast winding number, which is right however
+far the point is and however sharp the crease; where that is not clear-cut, and within a hair of the surface, the
+angle-weighted pseudonormal at the closest point decides.
+Sources: Barill et al., Fast Winding Numbers for Soups and Clouds, 2018; Baerentzen and Aanaes, Signed Distance
+Computation Using the Angle Weighted Pseudonormal, 2005.
 """
 
 from __future__ import annotations

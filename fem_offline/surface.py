@@ -103,9 +103,8 @@ def repair_surface(
             meshed unevenly or coarsely; "wrap" always wraps; "none" takes a closed surface as it is.
         edge: m, length of the result's edges.
         alpha: m, gaps narrower than about twice this are bridged; default 2 % of the longest side, at
-            least 4 mm.
-            Measured on the anatomical liver: 2 % is 2.8 mm from the input at most, 3 % 4.4 mm in a third of
-            the time.
+            least 4 mm.  Measured on the anatomical liver: at 2 % the wrap is 2.8 mm from the input at most, at
+            3 % 4.4 mm in a third of the time.
         offset: m, distance at which the wrap encloses the input; default 0.15 % of the longest side.
         opening_radius: m, wrapped membranes thinner than twice this are taken off; 0 keeps them.
         smoothing_limit: m, how far smoothing may move a vertex.

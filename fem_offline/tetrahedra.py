@@ -21,7 +21,7 @@ __all__ = ["TetMesh", "TetReport", "boundary_triangles", "tet_mesh", "tetrahedra
 
 _SURFACE_EDGE = 0.8
 """The surface is first decimated to triangles of this share of mesh_size: finer ones cost elements and time
-(40k instead of 26k at 8 mm, five times the time) without a better organ."""
+(anatomical liver at 8 mm: 40k tetrahedra in 66 s instead of 35k in 27 s) without a better organ."""
 
 _ENVELOPE = 0.1
 """Share of mesh_size by which fTetWild may leave the decimated surface."""

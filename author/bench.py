@@ -23,7 +23,7 @@ def bench(field: Path | None = None) -> Answer:
     result = {"field": str(path), **runtime.bench(path)}
     table = table_of("ns a tick", "p50", "p99", "p99.9", "max")
     for key, row in result.items():
-        if key.endswith("_ns") and isinstance(row, dict):
+        if key.endswith("_ns") and isinstance(row, dict) and row["p50"] is not None:
             table.add_row(key[:-3], *(f"{row[column]:.0f}" for column in ("p50", "p99", "p999", "max")))
     size, load = f"{result['bytes'] / 1024:.0f} KiB", f"opened in {result['load_ms']:.2f} ms"
     return Answer(result, [f"{path}: {size}, {load}, {result['machine']}", table])

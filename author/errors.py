@@ -14,11 +14,14 @@ from typing import Any
 
 from palpate.fem_offline.errors import MeshError, SurfaceError
 from palpate.fields.field_error import FieldError
+from palpate.runtime.library import RuntimeFailure
 
 __all__ = ["InputError", "InputProblem", "PalpateError", "ToleranceNotMet", "exit_code", "problems_of"]
 
 _REFUSALS = (SurfaceError, MeshError, FieldError)
 """How the rooms below, which cannot import this one, refuse an input."""
+_REFUSED_FIELD = range(4, 12)
+"""Those palpate_status values that say that an .rfield is damaged or of another version (palpate.h)."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,8 @@ def exit_code(error: BaseException) -> int:
         return error.exit_code
     if isinstance(error, KeyboardInterrupt):
         return 130
+    if isinstance(error, RuntimeFailure):
+        return 2 if error.status in _REFUSED_FIELD else 3
     return 2 if isinstance(error, _REFUSALS) else 3
 
 

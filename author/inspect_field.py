@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +31,7 @@ def inspect_field(path: Path) -> Answer:
 def _rfield(path: Path) -> Answer:
     from palpate.runtime import Field
 
-    info = Field.open(path).info
-    known = dict(info) if isinstance(info, Mapping) else dataclasses.asdict(info)
-    result = {"path": str(path), "bytes": path.stat().st_size, **known}
+    result = {"path": str(path), **dataclasses.asdict(Field.open(path).info)}
     return Answer(result, [_two_columns(result)])
 
 

@@ -216,9 +216,9 @@ def schema() -> None:
     def work() -> Answer:
         from palpate.author.scene import scene_schema
 
-        return Answer(scene_schema())
+        return Answer({}, [json.dumps(scene_schema(), indent=2)])
 
-    _end(work, as_json=True)
+    _end(work, as_json=False)
 
 
 def _end(work: Callable[[], Answer], as_json: bool) -> None:

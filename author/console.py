@@ -57,7 +57,7 @@ def answer_of(work: Callable[[], Answer], as_json: bool) -> int:
     if as_json:
         print(json.dumps(plain(result), allow_nan=False))
     else:
-        out = Console(soft_wrap=True)
+        out = Console(soft_wrap=True, markup=False, highlight=False)  # names may hold [brackets]
         for part in shown:
             out.print(part)
     sys.stdout.flush()

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from rich.table import Table
+from rich.text import Text
 
 from palpate.author.console import Answer, table_of
 
@@ -75,7 +76,7 @@ def doctor(folder: Path | None = None) -> Answer:
     result = {"ok": ok, "checks": [vars(check) for check in checks], "install": install}
     shown: list[Any] = [_table(checks)]
     if install:
-        shown.append(f"Install what is missing: [bold]{install}[/bold]")
+        shown.append(f"Install what is missing: {install}")
     return Answer(result, shown, 0 if ok else 3)
 
 
@@ -169,6 +170,7 @@ def _memory() -> float:
 def _table(checks: list[Check]) -> Table:
     table = table_of("", "what", "found", "used for")
     for check in checks:
-        mark = "[green]ok" if check.ok else "[red]missing" if check.needed else "[yellow]missing"
+        style = "green" if check.ok else "red" if check.needed else "yellow"
+        mark = Text("ok" if check.ok else "missing" if check.needed else "optional", style)
         table.add_row(mark, check.name, check.found, check.used_for)
     return table

@@ -23,7 +23,13 @@ from palpate.fields.lattice import ABSENT_UNREACHED, BLOCK_EDGE, Lattice
 from palpate.fields.lattice_fit import LatticeFit, blocks_of, lattice_from_values
 from palpate.fields.lattice_stencil import sample_lattice, stencil
 from palpate.fields.low_rank import low_rank_energy, low_rank_values, second_derivatives
-from palpate.fields.response_field import ContactGeometry, DepthCurves, ResponseField, ResponseNodes, ToolReference
+from palpate.fields.response_field import (
+    ContactGeometry,
+    DepthCurves,
+    ResponseField,
+    ResponseNodes,
+    ToolReference,
+)
 from palpate.fields.site_curves import SiteCurves
 from palpate.fields.surface_curvature import foot_points
 
@@ -45,7 +51,7 @@ def build_field(
     *,
     amplitude_spacing: float = 4e-3,
     rank: int = 3,
-    margin: float = 12e-3,
+    margin: float = 15e-3,
     normal_length: float = 20e-3,
     with_gradients: bool = True,
     provenance: dict[str, Any] | None = None,
@@ -59,8 +65,8 @@ def build_field(
         reach: (n, 3) -> (n,) m; <= 0 where the scene lets the tool touch, metres beyond elsewhere.
         amplitude_spacing: m, of the amplitude lattice.
         rank: shared energy curves (count).
-        margin: m beyond the reach within which amplitudes fall to zero; at least 2.5, better 3 amplitude
-            spacings: a coefficient reaches 1.5 spacings, both into the reach and away from it.
+        margin: m beyond the reach within which the field ends; the geometry must cover it.  From 3.75 amplitude
+            spacings on, the reach does not notice; below 2.5 it is refused.
         normal_length: L of the embedding, m (kriging.py).
         with_gradients: krige with B; without it only for comparison, it costs twice the presses.
         provenance: copied to the field.
@@ -69,11 +75,14 @@ def build_field(
         The field; `representation` holds errors as fractions (see `representation_errors` and `SiteCurves.report`).
 
     Raises:
-        ValueError: energy or force of a node is not positive at a depth knot above 0, or nothing is in reach.
+        ValueError: energy or force of a node is not positive at a depth knot above 0, nothing is in reach, or the
+            margin is too small.
     """
-    sites = SiteCurves.from_nodes(
-        nodes, geometry, tool.offset, normal_length, with_gradients=with_gradients
-    )
+    if margin < 2.5 * amplitude_spacing:
+        raise ValueError(
+            f"response field: margin {margin} m: at least 2.5 times {amplitude_spacing} m needed"
+        )
+    sites = SiteCurves.from_nodes(nodes, geometry, tool.offset, normal_length, with_gradients=with_gradients)
     q, surface, normal, cells, beyond = band_samples(geometry, tool.offset, reach, amplitude_spacing, margin)
     inside = np.flatnonzero(reach(surface) <= 0)
     held = nodes.position[:, None] + (tool.offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
@@ -96,12 +105,22 @@ def build_field(
     weight = weight * (np.exp(np.mean(np.log(deepest))) / deepest) ** 2
     amplitudes = amplitude_lattice(q, targets, weight, cells, beyond, amplitude_spacing, margin)
     field = ResponseField(
-        tool, geometry, nodes, energy.curves, stiffness_curves, friction_curves, amplitudes, depth_end,
-        {}, dict(provenance or {}),
+        tool,
+        geometry,
+        nodes,
+        energy.curves,
+        stiffness_curves,
+        friction_curves,
+        amplitudes,
+        depth_end,
+        {},
+        dict(provenance or {}),
     )
     field.representation.update(sites.report())
     field.representation["low_rank_force_p95"] = energy.error_p95
-    field.representation.update(representation_errors(field, sites, q[inside], surface[inside], normal[inside]))
+    field.representation.update(
+        representation_errors(field, sites, q[inside], surface[inside], normal[inside])
+    )
     return field
 
 
@@ -157,11 +176,11 @@ def amplitude_lattice(
     """Fit channels `targets` (n, C) at `q` (n, 3) and end them within `margin` m of the reach.
 
     Every coefficient that the positions `cells` (m, 3) touch is solved for.  Then each is scaled by how far `beyond`
-    the reach its nearest position is: 1 up to margin - 1.75 spacings, 0 from margin - 1.5 spacings on, where its
-    support would leave the margin.  The spline stays C1 whatever its coefficients are; scaling them, rather
-    than fitting tapered targets, keeps the steep edge from disturbing the reach.  Two more coefficients
-    all round are stored as zeros, so that it does not matter whether a reader takes an absent block for zeros
-    or takes every cell that touches one for zero.
+    the reach its nearest position is: 1 up to margin - 2.25 spacings, 0 from margin - 2.125 spacings on, where its
+    support (1.5 spacings along the axes, 2.12 across) would leave the margin.  The spline stays C1 whatever its
+    coefficients are; scaling them, rather than fitting tapered targets, keeps the steep edge from disturbing the
+    reach.  Two more coefficients all round are stored as zeros, so that it does not matter whether a reader takes
+    an absent block for zeros or takes every cell that touches one for zero.
     """
     origin = np.floor(np.minimum(q.min(axis=0), cells.min(axis=0)) / spacing) * spacing - 4 * spacing
     top = np.maximum(q.max(axis=0), cells.max(axis=0)) + 5 * spacing
@@ -172,7 +191,7 @@ def amplitude_lattice(
     coefficients = fit.solve(q, targets, weight, smoothing=SMOOTHING, hold=HOLD)
     centre = origin + (fit.index - 0.5) * spacing  # coefficient j's B-spline is centred in cell j - 1
     _, nearest = cKDTree(cells).query(centre)
-    kept = np.clip((margin / spacing - 1.5 - beyond[nearest] / spacing) / 0.25, 0.0, 1.0)
+    kept = np.clip((margin / spacing - 2.125 - beyond[nearest] / spacing) / 0.125, 0.0, 1.0)
     dense = np.zeros((*wanted.shape, targets.shape[1]))
     dense[tuple(fit.index.T)] = coefficients * kept[:, None]
     nonzero = np.zeros(wanted.shape, dtype=bool)
@@ -193,7 +212,9 @@ def representation_errors(
     """
     nodes = field.nodes
     knots = nodes.depth_knots[1:]
-    at = (nodes.position[:, None] + (field.tool.offset - knots[None, :, None]) * nodes.normal[:, None]).reshape(-1, 3)
+    at = (
+        nodes.position[:, None] + (field.tool.offset - knots[None, :, None]) * nodes.normal[:, None]
+    ).reshape(-1, 3)
     said = evaluate(field, at)
     shape = (nodes.node_count, len(knots))
     deepest = nodes.normal_force[:, -1:]
@@ -203,7 +224,8 @@ def representation_errors(
     reached = knots[None] <= nodes.depth_reached[:, None] * (1 + 1e-6)
     measured = {
         "node_force": np.abs(normal_part.reshape(shape) - nodes.normal_force[:, 1:]) / deepest,
-        "node_energy": np.abs(said.energy.reshape(shape) - nodes.stored_energy[:, 1:]) / nodes.stored_energy[:, -1:],
+        "node_energy": np.abs(said.energy.reshape(shape) - nodes.stored_energy[:, 1:])
+        / nodes.stored_energy[:, -1:],
         "node_lateral": np.linalg.norm(lateral - nodes.lateral_gradient[:, 1:], axis=-1) / deepest,
     }
     out: dict[str, float] = {}

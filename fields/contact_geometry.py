@@ -37,7 +37,7 @@ def contact_geometry(
     band: tuple[float, float],
     *,
     spacing: float = 1.5e-3,
-    reach_margin: float = 14e-3,
+    reach_margin: float = 15e-3,
     check_count: int = 4000,
     seed: int = 0,
 ) -> ContactGeometry:
@@ -59,7 +59,9 @@ def contact_geometry(
     """
     low, high = band
     if not (spacing > 0 and high > low):
-        raise ValueError(f"contact geometry: spacing {spacing} m and band {band} m: spacing > 0 and low < high needed")
+        raise ValueError(
+            f"contact geometry: spacing {spacing} m and band {band} m: spacing > 0 and low < high needed"
+        )
     edge = BLOCK_EDGE * spacing
     origin = np.asarray(bounds[0], dtype=float) - spacing
     block_shape = np.maximum(np.ceil((np.asarray(bounds[1]) + spacing - origin) / edge).astype(int), 1)
@@ -156,5 +158,9 @@ def known_cells(lattice: Lattice) -> np.ndarray:
         stored = np.repeat(stored, BLOCK_EDGE, axis=axis)
     for axis in range(3):  # cell i needs coefficients i, i + 1, i + 2
         n = stored.shape[axis]
-        stored = np.take(stored, range(n - 2), axis) & np.take(stored, range(1, n - 1), axis) & np.take(stored, range(2, n), axis)
+        stored = (
+            np.take(stored, range(n - 2), axis)
+            & np.take(stored, range(1, n - 1), axis)
+            & np.take(stored, range(2, n), axis)
+        )
     return np.argwhere(stored)

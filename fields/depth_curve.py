@@ -9,13 +9,14 @@ Contact Mechanics, 1985, eq. 4.23), which a spline in d cannot follow and a stra
 So Phi(0) = Phi'(0) = 0 by construction, Phi is C2 (C3 for d > 0), and c_j >= 0 makes Phi'' >= 0.
 
 Force and energy are fitted at once: bounded least squares, second differences of c penalised, the penalty chosen
-by generalised cross-validation (Golub, Heath and Wahba, 1979).  Convexity is given up only where the data contradict it.
+by generalised cross-validation (Golub, Heath and Wahba, 1979).  Convexity is given up only where data contradict it.
 Limit: a tool whose Phi'' has a jump inside the range (a flat's edge touching late) is smoothed over.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -29,7 +30,9 @@ FLOOR_NOISE = 0.002
 """... plus this share of the deepest value."""
 CONVEXITY_DOUBT = 1.0
 """Rise of the root-mean-square residual, in units of the noise above, at which Phi'' >= 0 is given up."""
-GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact up to degree 5: what the integrals need
+GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(
+    3
+)  # exact up to degree 5: what the integrals need
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,9 @@ def fit_depth_curve(depth: np.ndarray, force: np.ndarray, energy: np.ndarray) ->
     if not (np.isfinite([d, f, e]).all() and np.all(np.diff(d) > 0)):
         raise ValueError("depth curve: depths must rise, and depth, force and energy be finite")
     if f.max() <= 0 or e.max() <= 0:
-        raise ValueError(f"depth curve: largest force {f.max():.3g} N, largest energy {e.max():.3g} J: both must be > 0")
+        raise ValueError(
+            f"depth curve: largest force {f.max():.3g} N, largest energy {e.max():.3g} J: both must be > 0"
+        )
 
     end = np.sqrt(d[-1])
     intervals = int(np.clip(len(d) // 2, 2, 6))
@@ -90,14 +95,21 @@ def fit_depth_curve(depth: np.ndarray, force: np.ndarray, energy: np.ndarray) ->
     knots = np.concatenate([[0.0, 0.0], inner, [end, end]])
     _, to_force, to_energy = basis_integrals(knots, d)
     scale = f.max() / d[-1]  # N/m; makes c of order one
-    A = np.vstack([
-        to_force / (RELATIVE_NOISE * np.abs(f) + FLOOR_NOISE * f.max())[:, None],
-        to_energy / (RELATIVE_NOISE * np.abs(e) + FLOOR_NOISE * e.max())[:, None],
-    ]) * scale
-    y = np.concatenate([
-        f / (RELATIVE_NOISE * np.abs(f) + FLOOR_NOISE * f.max()),
-        e / (RELATIVE_NOISE * np.abs(e) + FLOOR_NOISE * e.max()),
-    ])
+    A = (
+        np.vstack(
+            [
+                to_force / (RELATIVE_NOISE * np.abs(f) + FLOOR_NOISE * f.max())[:, None],
+                to_energy / (RELATIVE_NOISE * np.abs(e) + FLOOR_NOISE * e.max())[:, None],
+            ]
+        )
+        * scale
+    )
+    y = np.concatenate(
+        [
+            f / (RELATIVE_NOISE * np.abs(f) + FLOOR_NOISE * f.max()),
+            e / (RELATIVE_NOISE * np.abs(e) + FLOOR_NOISE * e.max()),
+        ]
+    )
     roughness = second_differences(knots)
     penalty = cross_validated_penalty(A, y, roughness)
     A_all = np.vstack([A, np.sqrt(penalty) * roughness])
@@ -131,7 +143,7 @@ def basis_integrals(knots: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, n
     second = basis(knots, t_end)
     first, zeroth = np.zeros((2, len(depth), count))
     breaks = np.unique(knots)
-    for a, b in zip(breaks[:-1], breaks[1:], strict=True):
+    for a, b in pairwise(breaks):
         upper = np.clip(t_end, a, b)
         half = 0.5 * (upper - a)
         for x, weight in zip(GAUSS_POINTS, GAUSS_WEIGHTS, strict=True):

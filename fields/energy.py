@@ -44,7 +44,9 @@ class EnergyAudit:
     leak: float
 
 
-def energy_audit(field: ResponseField, positions: np.ndarray, forces: np.ndarray, stretch: np.ndarray) -> EnergyAudit:
+def energy_audit(
+    field: ResponseField, positions: np.ndarray, forces: np.ndarray, stretch: np.ndarray
+) -> EnergyAudit:
     """Audit a response.
 
     Args:

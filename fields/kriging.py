@@ -83,7 +83,9 @@ class Kriging:
         out = np.empty((len(z), len(self.mean)))
         for start in range(0, len(z), CHUNK):
             part = slice(start, start + CHUNK)
-            out[part] = cross_covariance(z[part], self.z, self.directions, self.settings.length) @ self.weights
+            out[part] = (
+                cross_covariance(z[part], self.z, self.directions, self.settings.length) @ self.weights
+            )
         return out + self.mean
 
 
@@ -163,7 +165,9 @@ def likeliest_settings(pairs: Pairs, y: np.ndarray) -> KrigingSettings:
         for noise in (1e-5, 1e-3, 1e-2)
     ]
     best = min(starts, key=cost)
-    found = minimize(cost, best, method="Nelder-Mead", bounds=bounds, options={"xatol": 0.02, "fatol": 1e-3, "maxfev": 150})
+    found = minimize(
+        cost, best, method="Nelder-Mead", bounds=bounds, options={"xatol": 0.02, "fatol": 1e-3, "maxfev": 150}
+    )
     return settings_of(found.x)
 
 

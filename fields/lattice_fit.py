@@ -114,11 +114,11 @@ class LatticeFit:
         for channel in range(rhs.shape[1]):
             if not rhs[:, channel].any():
                 continue
-            x, status = sparse.linalg.cg(
-                N, rhs[:, channel], rtol=tolerance, maxiter=20000, M=preconditioner
-            )
+            x, status = sparse.linalg.cg(N, rhs[:, channel], rtol=tolerance, maxiter=20000, M=preconditioner)
             if status != 0:
-                raise LatticeFitError(f"lattice channel {channel}: conjugate gradients stopped at {status} steps")
+                raise LatticeFitError(
+                    f"lattice channel {channel}: conjugate gradients stopped at {status} steps"
+                )
             solution[:, channel] = x
         return solution
 

@@ -102,7 +102,9 @@ def sample_lattice(lattice: Lattice, points: np.ndarray, *, hessian: bool = Fals
     """All channels of `lattice` at `points` (n, 3) m, with gradient and, when asked for, second derivatives."""
     points = np.asarray(points, dtype=float)
     finite = np.all(np.isfinite(points), axis=1)
-    s = stencil(np.where(finite[:, None], points, lattice.origin), lattice.origin, lattice.spacing, hessian=hessian)
+    s = stencil(
+        np.where(finite[:, None], points, lattice.origin), lattice.origin, lattice.spacing, hessian=hessian
+    )
     row, place = block_and_place(lattice, s.index)
     stored = row >= 0
     table = lattice.coefficients.reshape(-1, lattice.channel_count)

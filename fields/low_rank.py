@@ -41,7 +41,13 @@ class LowRank:
 
 
 def second_derivatives(
-    depth: np.ndarray, energy: np.ndarray, force: np.ndarray, depth_end: float, intervals: int, *, convex: bool
+    depth: np.ndarray,
+    energy: np.ndarray,
+    force: np.ndarray,
+    depth_end: float,
+    intervals: int,
+    *,
+    convex: bool,
 ) -> np.ndarray:
     """Phi''(m h), (S, M + 1) N/m, of the C2 piecewise cubics nearest to curves given at J depths.
 

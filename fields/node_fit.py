@@ -4,11 +4,10 @@
 
 Tool reference at depth d: q = c + (rho - d) n.
 
-    B(d) = - tangential force in the frictionless press = f(d) w + Phi(d) (g0 + g1 d/D + g2 (d/D)^2)
+    B(d) = - tangential force in the frictionless press = Phi(d) (g0 + g1 d/D + g2 (d/D)^2)
 
-because a smooth surface gives Phi = A(c) d^p (...), whose gradient along the surface is of the order of Phi; the
-small term w catches a press whose direction missed the surface normal by |w| radians (facets), which force, larger
-than Phi / d, would otherwise smear into g.
+because a smooth surface gives Phi = A(c) d^p (...), whose gradient along the surface is of the order of Phi.
+(A press that misses the normal by w radians adds f w; it cannot be told from g, DECISIONS.md.)
 
     k(d) = r(d) Phi''(d),   r = (tangential stiffness of the sticking contact) / (normal stiffness)
 
@@ -32,9 +31,7 @@ __all__ = ["LateralLadder", "PressArrays", "fit_nodes", "relative_gradient", "un
 
 LEAST_DEPTH_SHARE = 0.3
 """A press that stopped above this share of depth_max says too little about the rest."""
-MISALIGNMENT = 0.005
-"""rad; expected |w|.  f w and Phi g look alike over a short ladder: a wide prior here would let w eat g."""
-GRADIENT_SPREAD = (1000.0, 100.0, 100.0)
+GRADIENT_SPREAD = (1000.0, 40.0, 40.0)
 """1/m; expected |g0|, |g1|, |g2|: no more than a stop for what the data do not determine."""
 
 
@@ -134,7 +131,7 @@ def fit_nodes(
 
     lateral, lateral_residual = np.zeros((len(presses), len(knots), 3)), np.zeros(len(presses))
     for i, (press, curve, n) in enumerate(zip(presses, curves, normal, strict=True)):
-        lateral[i], lateral_residual[i] = fit_lateral_gradient(press, curve, n, knots, energy[i], force[i])
+        lateral[i], lateral_residual[i] = fit_lateral_gradient(press, curve, n, knots, energy[i])
 
     ratio = stiffness_ratios(presses, curves, contact, normal, knots, offset, geometry)
     residual = np.maximum([max(c.force_residual, c.energy_residual) for c in curves], lateral_residual)
@@ -177,37 +174,36 @@ def continue_short_presses(
     return energy, force, second
 
 
-def gradient_terms(energy: np.ndarray, force: np.ndarray, share: np.ndarray) -> np.ndarray:
-    """(n, 4) columns f, Phi, Phi d/D, Phi (d/D)^2 at depths with `share` = d/D."""
-    return np.stack([force, energy, energy * share, energy * share**2], axis=-1)
+def gradient_terms(energy: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """(n, 3) columns Phi, Phi d/D, Phi (d/D)^2 at depths with `share` = d/D."""
+    return np.stack([energy, energy * share, energy * share**2], axis=-1)
 
 
 def solve_gradient_terms(terms: np.ndarray, B: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """(4, 3) w and g0..g2 from B (n, 3) N, each state weighted by the noise of its `force` (n,) N."""
+    """(3, 3) g0..g2 from B (n, 3) N, each state weighted by the noise of its `force` (n,) N."""
     noise = RELATIVE_NOISE * np.abs(force) + FLOOR_NOISE * np.abs(force).max()
-    prior = np.diag(1.0 / np.array([MISALIGNMENT, *GRADIENT_SPREAD]))
-    A = np.vstack([terms / noise[:, None], prior])
-    y = np.vstack([B / noise[:, None], np.zeros((4, 3))])
+    A = np.vstack([terms / noise[:, None], np.diag(1.0 / np.array(GRADIENT_SPREAD))])
+    y = np.vstack([B / noise[:, None], np.zeros((3, 3))])
     return np.linalg.lstsq(A, y, rcond=None)[0]
 
 
 def fit_lateral_gradient(
-    press: PressArrays, curve: DepthCurve, n: np.ndarray, knots: np.ndarray, energy: np.ndarray, force: np.ndarray
+    press: PressArrays, curve: DepthCurve, n: np.ndarray, knots: np.ndarray, energy: np.ndarray
 ) -> tuple[np.ndarray, float]:
     """B (K, 3) N at the knots, and the largest misfit as a share of the deepest force."""
     keep = press.depth > 0
     d = press.depth[keep]
     B = -(press.force[keep] - (press.force[keep] @ n)[:, None] * n)
     phi, f, _ = curve(d)
-    terms = gradient_terms(phi, f, d / knots[-1])
+    terms = gradient_terms(phi, d / knots[-1])
     solution = solve_gradient_terms(terms, B, f)
     misfit = np.linalg.norm(terms @ solution - B, axis=1).max() / f.max()
     share = np.minimum(knots, d[-1]) / knots[-1]  # a short press does not extrapolate its polynomial
-    return gradient_terms(energy, force, share) @ solution, float(misfit)
+    return gradient_terms(energy, share) @ solution, float(misfit)
 
 
 def relative_gradient(nodes: ResponseNodes) -> tuple[np.ndarray, np.ndarray]:
-    """b = B / Phi without the misaligned part f w, and its slope.
+    """b = B / Phi and its slope.
 
     Returns:
         b: (N, K, 3) 1/m at the knots (finite at depth 0), and db/dd: (N, K, 3) 1/m^2.
@@ -215,9 +211,8 @@ def relative_gradient(nodes: ResponseNodes) -> tuple[np.ndarray, np.ndarray]:
     share = nodes.depth_knots / nodes.depth_knots[-1]
     b, slope = np.zeros((2, nodes.node_count, len(share), 3))
     for i in range(nodes.node_count):
-        f = nodes.normal_force[i, 1:]
-        terms = gradient_terms(nodes.stored_energy[i, 1:], f, share[1:])
-        _, g0, g1, g2 = solve_gradient_terms(terms, nodes.lateral_gradient[i, 1:], f)
+        terms = gradient_terms(nodes.stored_energy[i, 1:], share[1:])
+        g0, g1, g2 = solve_gradient_terms(terms, nodes.lateral_gradient[i, 1:], nodes.normal_force[i, 1:])
         b[i] = g0 + share[:, None] * g1 + share[:, None] ** 2 * g2
         slope[i] = (g1 + 2 * share[:, None] * g2) / nodes.depth_knots[-1]
     return b, slope
@@ -259,4 +254,6 @@ def stiffness_ratios(
 def friction_at(coefficient: float | np.ndarray, knots: np.ndarray) -> np.ndarray:
     """mu (K,) from a number or (J, 2) rows (depth, coefficient)."""
     table = np.asarray(coefficient, dtype=float)
-    return np.full(len(knots), float(table)) if table.ndim == 0 else np.interp(knots, table[:, 0], table[:, 1])
+    return (
+        np.full(len(knots), float(table)) if table.ndim == 0 else np.interp(knots, table[:, 0], table[:, 1])
+    )

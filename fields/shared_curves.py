@@ -25,7 +25,9 @@ def curves_from_second_derivative(depth_end: float, second: np.ndarray) -> Depth
     slope = np.cumsum(slope_step, axis=1) - slope_step
     value_step = slope * h + h * h * (left / 3 + right / 6)
     value = np.cumsum(value_step, axis=1) - value_step
-    return DepthCurves(float(depth_end), np.stack([value, slope, 0.5 * left, (right - left) / (6 * h)], axis=-1))
+    return DepthCurves(
+        float(depth_end), np.stack([value, slope, 0.5 * left, (right - left) / (6 * h)], axis=-1)
+    )
 
 
 def curves_from_values(depth_end: float, values: np.ndarray) -> DepthCurves:

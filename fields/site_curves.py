@@ -146,7 +146,9 @@ class SiteCurves:
             out[i] = depth[i] ** HERTZ * np.exp(value[0, 0]) * (HERTZ / depth[i] + slope[0, 0])
         return out
 
-    def interpolated(self, y: np.ndarray, slope: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def interpolated(
+        self, y: np.ndarray, slope: np.ndarray, depth: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """y and y' (S, J) at `depth` (J,) from both at the knots (S, K - 1)."""
         first, last = self.knots[0], self.knots[-1]
         inside = np.clip(depth, first, last)
@@ -161,7 +163,9 @@ class SiteCurves:
         value = np.where(shallow, y[:, :1] + power * np.log(depth / first), value)
         return value, np.where(shallow, power / depth, value_slope)
 
-    def positive(self, kriged: Kriging | float | None, z: np.ndarray, depth: np.ndarray, start: float) -> np.ndarray:
+    def positive(
+        self, kriged: Kriging | float | None, z: np.ndarray, depth: np.ndarray, start: float
+    ) -> np.ndarray:
         """(S, 1 + J) values at depth 0 and `depth`; below the first knot a power `start` of d."""
         if not isinstance(kriged, Kriging):
             return np.full((len(z), 1 + len(depth)), 0.0 if kriged is None else kriged)

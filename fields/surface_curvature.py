@@ -42,7 +42,8 @@ def normal_derivative(geometry: ContactGeometry, points: np.ndarray, step: float
     """H(q), (n, 3, 3) 1/m, symmetric and tangential, at `points` (n, 3) m in the band, differenced over `step` m."""
     h = geometry.signed_distance.spacing if step is None else step
     columns = [
-        (unit_normals(geometry, points + h * e) - unit_normals(geometry, points - h * e)) / (2 * h) for e in np.eye(3)
+        (unit_normals(geometry, points + h * e) - unit_normals(geometry, points - h * e)) / (2 * h)
+        for e in np.eye(3)
     ]
     H = np.stack(columns, axis=-1)
     n = unit_normals(geometry, points)

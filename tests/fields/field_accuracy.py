@@ -9,6 +9,7 @@ from time import process_time
 
 import numpy as np
 from known_organ import BALL, FLAT, KnownOrgan, field_of, geometry_of, held_out, nodes_of
+
 from palpate.fields.interpolation import evaluate
 
 
@@ -34,9 +35,16 @@ def main(counts: list[int]) -> None:
             for noise in (0.0, 0.005):
                 for with_gradients in (True, False):
                     e = errors(organ, count, noise, with_gradients)
-                    percent = "".join(f"{100 * x:8.2f}" for x in e[:3]) + "     " + "".join(f"{100 * x:8.2f}" for x in e[3:6])
+                    percent = (
+                        "".join(f"{100 * x:8.2f}" for x in e[:3])
+                        + "     "
+                        + "".join(f"{100 * x:8.2f}" for x in e[3:6])
+                    )
                     used = "yes" if with_gradients else "no"
-                    print(f"{name:10} {count:5d} {100 * noise:5.1f}%  {used:4}  {percent} {e[6]:8.1f}", flush=True)
+                    print(
+                        f"{name:10} {count:5d} {100 * noise:5.1f}%  {used:4}  {percent} {e[6]:8.1f}",
+                        flush=True,
+                    )
 
 
 if __name__ == "__main__":

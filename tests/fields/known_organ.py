@@ -14,13 +14,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+
 from palpate.fields.build_field import build_field
 from palpate.fields.contact_geometry import contact_geometry
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots
 from palpate.fields.response_field import ContactGeometry, ResponseField, ResponseNodes, ToolReference
 
 FLAT = (0.06, 0.05, 0.03)
-"""m, semi-axes of the usual test organ: radii of curvature of 83 to 120 mm at the pole, 8 to 20 mm at the rim."""
+"""m, semi-axes of the usual test organ: radii of curvature of 120 and 83 mm at the pole."""
+CURVED = (0.05, 0.03, 0.03)
+"""m, semi-axes of an organ whose curvature matters: 83 and 30 mm at the pole."""
 BALL = (0.08, 0.08, 0.08)
 """m."""
 RADIUS = 5e-3
@@ -81,15 +84,21 @@ class KnownOrgan:
 
     def force(self, q: np.ndarray, step: float = 1e-6) -> np.ndarray:
         """-grad U (n, 3), by central differences."""
-        return -np.stack([(self.energy(q + step * e) - self.energy(q - step * e)) / (2 * step) for e in np.eye(3)], -1)
+        return -np.stack(
+            [(self.energy(q + step * e) - self.energy(q - step * e)) / (2 * step) for e in np.eye(3)], -1
+        )
+
+    def random_cap(self, count: int, rng: np.random.Generator, extent: float = 20e-3) -> np.ndarray:
+        """(count, 3) random surface points of the cap."""
+        radius = extent * np.sqrt(rng.uniform(0, 1, count))
+        angle = rng.uniform(0, 2 * np.pi, count)
+        a, b, h = self.semi_axes
+        x, y = radius * np.cos(angle), radius * np.sin(angle)
+        return np.stack([x, y, h * np.sqrt(1 - (x / a) ** 2 - (y / b) ** 2)], axis=1)
 
     def cap_points(self, count: int, rng: np.random.Generator, extent: float = 20e-3) -> np.ndarray:
         """(count, 3) well-spread surface points of the cap: farthest-point picks from 60 times as many."""
-        radius = extent * np.sqrt(rng.uniform(0, 1, 60 * count))
-        angle = rng.uniform(0, 2 * np.pi, 60 * count)
-        a, b, h = self.semi_axes
-        x, y = radius * np.cos(angle), radius * np.sin(angle)
-        pool = np.stack([x, y, h * np.sqrt(1 - (x / a) ** 2 - (y / b) ** 2)], axis=1)
+        pool = self.random_cap(60 * count, rng, extent)
         chosen = [0]
         distance = np.linalg.norm(pool - pool[0], axis=1)
         for _ in range(count - 1):
@@ -97,7 +106,9 @@ class KnownOrgan:
             distance = np.minimum(distance, np.linalg.norm(pool - pool[chosen[-1]], axis=1))
         return pool[chosen]
 
-    def press(self, c: np.ndarray, rng: np.random.Generator, noise: float = 0.0, levels: int = 10) -> PressArrays:
+    def press(
+        self, c: np.ndarray, rng: np.random.Generator, noise: float = 0.0, levels: int = 10
+    ) -> PressArrays:
         """One press at surface point `c` (3,), every force and energy scaled by 1 + noise times a normal number."""
         n = self.normal(c[None])[0]
         depth = np.linspace(0, self.depth_max, levels + 1)

@@ -153,7 +153,9 @@ def _counts(lattice: Lattice) -> tuple[np.ndarray, float, float]:
     low, high = float(c.min()), float(c.max())
     scale = max((high - low) / 65000.0, 1e-9)
     if scale > SCALE_MAX:
-        raise CookError("geometry", high - low, "m", "coefficients must span at most 0.065 m; narrow the band")
+        raise CookError(
+            "geometry", high - low, "m", "coefficients must span at most 0.065 m; narrow the band"
+        )
     bias = 0.5 * (low + high)
     return np.rint((c - bias) / scale).astype("<i2"), scale, bias
 

@@ -9,7 +9,7 @@ With g = grad phi, U = sum_r phi_r(d) a_r(q), d = rho - phi(q),
 sigma = max ( |Hess U|_2 + k ) over the centres of all geometry cells in contact up to depth_max, the curves
 taken at the deepest point of the cell.  The force on the hand changes by at most sigma |dp| in a tick of
 sticking contact; the hold gives away at most sigma |dp|^2 / 2 (Colgate and Brown, 1994).
-Limit: a maximum over cell centres, not a proven bound between them.
+Limit: a maximum over cell centres times `MARGIN`, not a proven bound between them.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from palpate.fields.response_field import DepthCurves, ResponseField
 
 __all__ = ["largest_stiffness"]
 
+MARGIN = 1.05
+"""For places between cell centres; on a 6:1 step over 5 mm the centres alone fell short by 0.1 %."""
 _CHUNK = 20_000  # points at a time; bounds memory, nothing else
 
 
@@ -50,7 +52,7 @@ def largest_stiffness(field: ResponseField) -> float:
         h += np.einsum("nr,nijr->nij", value, dda[..., :r_u])
         k = np.einsum("nr,nr->n", _curves(field.stiffness_curves, deep)[0], a[:, r_u : r_u + r_k])
         sigma = max(sigma, float(np.max(np.linalg.norm(h, 2, axis=(1, 2)) + np.maximum(k, 0))))
-    return sigma
+    return MARGIN * sigma
 
 
 def _whole_cells(lattice: Lattice) -> np.ndarray:
@@ -70,7 +72,9 @@ def _derivatives(lattice: Lattice, q: np.ndarray) -> tuple[np.ndarray, np.ndarra
     t = u - i
     w = np.stack([0.5 * (1 - t) ** 2, 0.5 + t * (1 - t), 0.5 * t * t])  # (3 taps, n, 3 axes)
     d = np.stack([t - 1, 1 - 2 * t, t]) / lattice.spacing
-    dd = np.broadcast_to(np.array([1.0, -2.0, 1.0])[:, None, None], t.shape[:0] + w.shape) / lattice.spacing**2
+    dd = (
+        np.broadcast_to(np.array([1.0, -2.0, 1.0])[:, None, None], t.shape[:0] + w.shape) / lattice.spacing**2
+    )
     n, channels = len(q), lattice.channel_count
     value, grad, hess = np.zeros((n, channels)), np.zeros((n, 3, channels)), np.zeros((n, 3, 3, channels))
     for tap in np.ndindex(3, 3, 3):
@@ -78,7 +82,9 @@ def _derivatives(lattice: Lattice, q: np.ndarray) -> tuple[np.ndarray, np.ndarra
         inside = np.all((j >= 0) & (j < BLOCK_EDGE * np.array(lattice.block_index.shape)), axis=1)
         j = np.where(inside[:, None], j, 0)
         row = np.where(inside, lattice.block_index[tuple((j // BLOCK_EDGE).T)], -1)
-        c = np.where((row >= 0)[:, None], lattice.coefficients[(np.maximum(row, 0), *(j % BLOCK_EDGE).T)], 0.0)
+        c = np.where(
+            (row >= 0)[:, None], lattice.coefficients[(np.maximum(row, 0), *(j % BLOCK_EDGE).T)], 0.0
+        )
         tables = (w, d, dd)
         value += np.prod([w[tap[x], :, x] for x in range(3)], axis=0)[:, None] * c
         for a in range(3):
@@ -86,7 +92,9 @@ def _derivatives(lattice: Lattice, q: np.ndarray) -> tuple[np.ndarray, np.ndarra
             grad[:, a] += np.prod([tables[order[x]][tap[x], :, x] for x in range(3)], axis=0)[:, None] * c
             for b in range(3):
                 order = [int(x == a) + int(x == b) for x in range(3)]
-                hess[:, a, b] += np.prod([tables[order[x]][tap[x], :, x] for x in range(3)], axis=0)[:, None] * c
+                hess[:, a, b] += (
+                    np.prod([tables[order[x]][tap[x], :, x] for x in range(3)], axis=0)[:, None] * c
+                )
     return value, grad, hess
 
 

@@ -48,9 +48,13 @@ def read_header(source: bytes | str | os.PathLike) -> np.ndarray:
     if header["magic"] != MAGIC:
         raise RFieldError("not an .rfield: the first bytes are not PALPRFLD")
     if header["version"] != VERSION or header["layout_hash"] != LAYOUT_HASH:
-        raise RFieldError(f"version {header['version']} of the layout; this palpate reads version {VERSION}: cook again")
+        raise RFieldError(
+            f"layout version {header['version']}; this palpate reads version {VERSION}: cook it again"
+        )
     if header["file_size"] != len(data):
-        raise RFieldError(f"{len(data)} bytes where the header says {header['file_size']}: truncated or appended to")
+        raise RFieldError(
+            f"{len(data)} bytes where the header says {header['file_size']}: truncated or appended to"
+        )
     blank = header.copy()
     blank["checksum"] = 0
     if zlib.crc32(data[HEADER_DTYPE.itemsize :], zlib.crc32(blank.tobytes())) != header["checksum"]:

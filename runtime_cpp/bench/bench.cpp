@@ -74,7 +74,6 @@ std::vector<double> time_ticks(const palpate_field* field, const std::vector<tic
     std::vector<double> best(path.size(), std::numeric_limits<double>::infinity());
     for (int pass = 0; pass < pass_count; ++pass) {
         palpate_session* session = nullptr;
-        palpate_session_init(memory.data(), memory.size() * 8, field, nullptr, &session);
         palpate_config config;
         palpate_config_default(&config);
         config.speed_max = 0.0;  // from one contact to the next is a jump that the bench makes on purpose

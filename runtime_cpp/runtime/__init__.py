@@ -1,2 +1,30 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
+"""Thin view of the C++ runtime: the same field, session and tick that a servo loop uses, on NumPy arrays.
+
+    field = Field.open("liver.rfield")
+    session = Session(field)
+    response = session.tick([0, 0, 0.05], dt=1e-3)
+
+Units are SI, axes the organ's own; `palpate.h` (see `include_folder`) is the manual.
+"""
+
+from palpate.runtime.bench import bench
+from palpate.runtime.field import Field, FieldInfo
+from palpate.runtime.layout import Region, Tick
+from palpate.runtime.library import RuntimeFailure, cmake_folder, include_folder, version
+from palpate.runtime.session import Config, Session
+
+__all__ = [
+    "Config",
+    "Field",
+    "FieldInfo",
+    "Region",
+    "RuntimeFailure",
+    "Session",
+    "Tick",
+    "bench",
+    "cmake_folder",
+    "include_folder",
+    "version",
+]

@@ -44,8 +44,8 @@ struct palpate_field {
     palpate::lattice amplitudes;
     const float* amplitude_coefficients;
     std::int32_t channel_stride;  // floats
-    std::int32_t lane_count;      // groups of 4 channels
-    std::int32_t energy_lane_count;  // groups that hold an energy channel: these need gradients
+    std::int32_t channels;           // in use, rounded up to an even count
+    std::int32_t gradient_channels;  // the first ones, which hold the energy's and need gradients; even
 
     palpate::depth_curves energy;
     palpate::depth_curves stiffness;

@@ -8,7 +8,7 @@ namespace palpate {
 // The tangential spring between the tool and the tissue.  Trivially copyable.
 struct friction_spring {
     double stretch[3];  // s, m; orthogonal to normal
-    double normal[3];   // unit; 0 while no normal has been defined
+    double normal[3];   // unit; 0 while nothing is touched
     double stiffness;   // k, N/m, >= 0
 };
 

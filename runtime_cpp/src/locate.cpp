@@ -12,7 +12,9 @@
 #include "locate.h"
 
 #include <cmath>
+#include <cstring>
 
+#include "lanes.h"
 #include "stencil.h"
 
 namespace palpate {
@@ -72,63 +74,75 @@ void locate(const palpate_field& field, const double q[3], location& found) noex
     taps_at(u[1], y);
     taps_at(u[2], z);
 
-    // The rows of the (up to) 8 blocks under the stencil; the same one twice where it does not cross.
-    std::int32_t row[2][2][2];
-    std::int32_t any = 0;
-    const std::int32_t cross[3] = {next_block(x, 2), next_block(y, 2), next_block(z, 2)};
-    for (int a = 0; a < 2; ++a) {
-        for (int b = 0; b < 2; ++b) {
-            const std::int32_t* line =
-                L.index + (static_cast<std::int64_t>(x.block + a * cross[0]) * L.blocks[1] + y.block + b * cross[1]) * L.blocks[2] +
-                z.block;
-            row[a][b][0] = line[0];
-            row[a][b][1] = line[cross[2]];
-            any |= row[a][b][0] | row[a][b][1];
-        }
-    }
-    if (any < 0) {
-        const bool all_outside = row[0][0][0] == absent_outside && row[0][0][1] == absent_outside &&
-                                 row[0][1][0] == absent_outside && row[0][1][1] == absent_outside &&
-                                 row[1][0][0] == absent_outside && row[1][0][1] == absent_outside &&
-                                 row[1][1][0] == absent_outside && row[1][1][1] == absent_outside;
+    // The (up to) 8 blocks under the stencil; the same one twice where it does not cross.
+    const std::int64_t cross_x = next_block(x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
+    const std::int64_t cross_y = next_block(y, 2) * static_cast<std::int64_t>(L.blocks[2]);
+    const std::int64_t cross_z = next_block(z, 2);
+    const std::int32_t* line =
+        L.index + (static_cast<std::int64_t>(x.block) * L.blocks[1] + y.block) * L.blocks[2] + z.block;
+    const std::int32_t row[8] = {line[0],
+                                 line[cross_z],
+                                 line[cross_y],
+                                 line[cross_y + cross_z],
+                                 line[cross_x],
+                                 line[cross_x + cross_z],
+                                 line[cross_x + cross_y],
+                                 line[cross_x + cross_y + cross_z]};
+    if ((row[0] | row[1] | row[2] | row[3] | row[4] | row[5] | row[6] | row[7]) < 0) {
+        bool all_outside = true;
+        for (std::int32_t r : row) all_outside = all_outside && r == absent_outside;
         found.region = all_outside ? PALPATE_REGION_OUTSIDE : unknown_cell(field, u);
         return;
     }
 
-    // phi = sum wx wy wz C and its derivatives, in counts; along z first, then y, then x.
-    const std::int32_t z_next[3] = {0, next_block(z, 1), cross[2]};
-    const std::int32_t z_place[3] = {z.place, place_of(z, 1), place_of(z, 2)};
-    double value = 0.0, gx = 0.0, gy = 0.0, gz = 0.0;
+    // phi = sum wx wy wz C and its derivatives, in counts.  A column along z is four int16, 8 bytes; the three taps of
+    // the stencil are cut out of the column of the cell's block and that of the next, side by side.  Sums run along y,
+    // then x, and z last; the fourth tap has weight 0.
+    const std::int16_t* block[8];
+    for (int i = 0; i < 8; ++i) block[i] = field.geometry_coefficients + static_cast<std::int64_t>(row[i]) * 64;
+    const int cut = 16 * z.place;
+    pair value[2] = {both(0.0), both(0.0)}, along_x[2] = {both(0.0), both(0.0)}, along_y[2] = {both(0.0), both(0.0)};
+    PALPATE_UNROLL_3
     for (std::int32_t a = 0; a < 3; ++a) {
-        double s = 0.0, sy = 0.0, sz = 0.0;
+        const std::int16_t* const* slab = block + 4 * next_block(x, a);
+        const std::int64_t in_slab = place_of(x, a) * 16;
+        pair s[2] = {both(0.0), both(0.0)}, sy[2] = {both(0.0), both(0.0)};
+        PALPATE_UNROLL_3
         for (std::int32_t b = 0; b < 3; ++b) {
-            const std::int32_t* pair = row[next_block(x, a)][next_block(y, b)];
-            const std::int32_t column = place_of(x, a) * 16 + place_of(y, b) * 4;
-            const std::int16_t* block[2] = {field.geometry_coefficients + static_cast<std::int64_t>(pair[0]) * 64 + column,
-                                            field.geometry_coefficients + static_cast<std::int64_t>(pair[1]) * 64 + column};
-            const double c0 = static_cast<double>(block[0][z_place[0]]);
-            const double c1 = static_cast<double>(block[z_next[1]][z_place[1]]);
-            const double c2 = static_cast<double>(block[z_next[2]][z_place[2]]);
-            const double v = z.w[0] * c0 + z.w[1] * c1 + z.w[2] * c2;
-            const double dv = z.d[0] * c0 + z.d[1] * c1 + z.d[2] * c2;
-            s += y.w[b] * v;
-            sy += y.d[b] * v;
-            sz += y.w[b] * dv;
+            const std::int16_t* const* neighbours = slab + 2 * next_block(y, b);
+            const std::int64_t column = in_slab + place_of(y, b) * 4;
+            std::uint64_t own, next;
+            std::memcpy(&own, neighbours[0] + column, 8);
+            std::memcpy(&next, neighbours[1] + column, 8);
+            pair low, high;
+            unpack_counts(own >> cut | next << 1 << (63 - cut), low, high);
+            const pair w = both(y.w[b]);
+            const pair d = both(y.d[b]);
+            s[0] += w * low;
+            s[1] += w * high;
+            sy[0] += d * low;
+            sy[1] += d * high;
         }
-        value += x.w[a] * s;
-        gx += x.d[a] * s;
-        gy += x.w[a] * sy;
-        gz += x.w[a] * sz;
+        const pair w = both(x.w[a]);
+        const pair d = both(x.d[a]);
+        for (int half = 0; half < 2; ++half) {
+            value[half] += w * s[half];
+            along_x[half] += d * s[half];
+            along_y[half] += w * sy[half];
+        }
     }
+    const auto along_z = [](const pair c[2], const double tap[3]) noexcept {
+        return c[0][0] * tap[0] + c[0][1] * tap[1] + c[1][0] * tap[2];
+    };
     const double per_metre = field.geometry_scale * L.inverse_spacing;
-    found.depth = field.tool_offset - (field.geometry_bias + field.geometry_scale * value);
-    found.gradient[0] = per_metre * gx;
-    found.gradient[1] = per_metre * gy;
-    found.gradient[2] = per_metre * gz;
+    found.depth = field.tool_offset - (field.geometry_bias + field.geometry_scale * along_z(value, z.w));
+    found.gradient[0] = per_metre * along_z(along_x, z.w);
+    found.gradient[1] = per_metre * along_z(along_y, z.w);
+    found.gradient[2] = per_metre * along_z(value, z.d);
     found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
 }
 
-void look_along(const palpate_field& field, const double from[3], const double to[3], bool starts_in_contact,
+void look_along(const palpate_field& field, const double from[3], const double to[3], const double* start_normal,
                 stroke& seen) noexcept {
     seen = stroke{};
     const double step[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
@@ -138,20 +152,25 @@ void look_along(const palpate_field& field, const double from[3], const double t
         seen.too_long = true;
         return;
     }
+    bool touching = start_normal != nullptr;
+    if (touching) {
+        for (int a = 0; a < 3; ++a) seen.normal[a] = start_normal[a];
+    }
     const auto count = static_cast<std::int32_t>(parts) + 1;
-    bool touching = starts_in_contact;
     for (std::int32_t i = 1; i < count; ++i) {
         const double t = static_cast<double>(i) / static_cast<double>(count);
         const double q[3] = {from[0] + t * step[0], from[1] + t * step[1], from[2] + t * step[2]};
         location at;
         locate(field, q, at);
+        const double* g = at.gradient;
         switch (at.region) {
             case PALPATE_REGION_CONTACT:
-                if (!touching && !seen.has_normal) {
-                    seen.has_normal = true;
-                    for (int a = 0; a < 3; ++a) seen.gradient[a] = at.gradient[a];
+                seen.touched = true;
+                if (!touching) {
+                    touching = true;
+                    for (int a = 0; a < 3; ++a) seen.normal[a] = g[a];
                 }
-                seen.touched = touching = true;
+                seen.turned = seen.turned || g[0] * seen.normal[0] + g[1] * seen.normal[1] + g[2] * seen.normal[2] < 0.0;
                 break;
             case PALPATE_REGION_DEEP:
                 seen.deep = true;
@@ -160,8 +179,11 @@ void look_along(const palpate_field& field, const double from[3], const double t
                 seen.unreached = true;
                 break;
             default:
-                seen.left = seen.left || touching;
-                touching = false;
+                if (touching) {
+                    seen.left = true;
+                    touching = false;
+                    for (double& n : seen.normal) n = 0.0;
+                }
                 break;
         }
     }

@@ -22,16 +22,17 @@ void locate(const palpate_field& field, const double q[3], location& found) noex
 struct stroke {
     bool touched;    // contact somewhere
     bool left;       // free somewhere after contact, or after a start in contact
+    bool turned;     // in one contact the normal turned over: the middle of a thin lobe was crossed
     bool deep;       // deeper than the band somewhere
     bool unreached;  // unreached somewhere
     bool too_long;   // more than stroke_sample_limit looks needed; not looked at
-    bool has_normal;
-    double gradient[3];  // grad phi where the stroke first touched, when has_normal
+    double normal[3];  // of the contact that the stroke is in at its end, or starts with (any length); 0 if none
 };
 
 constexpr double stroke_sample_limit = 256.0;
 
-void look_along(const palpate_field& field, const double from[3], const double to[3], bool starts_in_contact,
+// `start_normal`: of the contact that the stroke starts in; null where it starts free.
+void look_along(const palpate_field& field, const double from[3], const double to[3], const double* start_normal,
                 stroke& seen) noexcept;
 
 }  // namespace palpate

@@ -4,7 +4,7 @@
 //     U      = sum_r phi_r(d) a_r(q)
 //     grad U = sum_r phi_r(d) grad a_r(q) - (sum_r phi_r'(d) a_r(q)) grad phi(q)
 //     k      = max(0, sum_r kappa_r(d) b_r(q)),   mu = max(0, sum_r mu_r(d) m_r(q))
-// Curves are cubics on uniform intervals of depth; amplitudes a, b, m are channels of one lattice, read four at a
+// Curves are cubics on uniform intervals of depth; amplitudes a, b, m are channels of one lattice, read two at a
 // time.  Absent blocks have row 0 of the coefficients, which is all zero.
 #include "respond.h"
 
@@ -61,73 +61,101 @@ bool gather(const palpate_field& field, const double q[3], corners& c) noexcept 
     taps_at(u[0], c.x);
     taps_at(u[1], c.y);
     taps_at(u[2], c.z);
-    const std::int32_t cross = next_block(c.z, 2);
-    const std::int32_t z_next[3] = {0, next_block(c.z, 1), cross};
+    const std::int64_t cross_x = next_block(c.x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
+    const std::int64_t cross_y = next_block(c.y, 2) * static_cast<std::int64_t>(L.blocks[2]);
+    const std::int64_t cross_z = next_block(c.z, 2);
+    const std::int32_t* line =
+        L.index + (static_cast<std::int64_t>(c.x.block) * L.blocks[1] + c.y.block) * L.blocks[2] + c.z.block;
+    const std::int32_t row[8] = {line[0],
+                                 line[cross_z],
+                                 line[cross_y],
+                                 line[cross_y + cross_z],
+                                 line[cross_x],
+                                 line[cross_x + cross_z],
+                                 line[cross_x + cross_y],
+                                 line[cross_x + cross_y + cross_z]};
     const std::int64_t stride = field.channel_stride;
-    const std::int64_t z_place[3] = {c.z.place * stride, place_of(c.z, 1) * stride, place_of(c.z, 2) * stride};
-    const float* block[2][2][2];
-    for (int a = 0; a < 2; ++a) {
-        for (int b = 0; b < 2; ++b) {
-            const std::int32_t* line = L.index +
-                                       (static_cast<std::int64_t>(c.x.block + a * next_block(c.x, 2)) * L.blocks[1] +
-                                        c.y.block + b * next_block(c.y, 2)) *
-                                           L.blocks[2] +
-                                       c.z.block;
-            block[a][b][0] = field.amplitude_coefficients + static_cast<std::int64_t>(line[0]) * 64 * stride;
-            block[a][b][1] = field.amplitude_coefficients + static_cast<std::int64_t>(line[cross]) * 64 * stride;
-        }
-    }
+    const float* block[8];
+    for (int i = 0; i < 8; ++i) block[i] = field.amplitude_coefficients + row[i] * (64 * stride);
+    const std::int64_t next_1 = next_block(c.z, 1);
+    const std::int64_t next_2 = next_block(c.z, 2);
+    const std::int64_t place_0 = c.z.place * stride;
+    const std::int64_t place_1 = place_of(c.z, 1) * stride;
+    const std::int64_t place_2 = place_of(c.z, 2) * stride;
     const float** tap = c.tap;
+    PALPATE_UNROLL_3
     for (std::int32_t a = 0; a < 3; ++a) {
-        for (std::int32_t b = 0; b < 3; ++b) {
-            const float* const* pair = block[next_block(c.x, a)][next_block(c.y, b)];
+        PALPATE_UNROLL_3
+        for (std::int32_t b = 0; b < 3; ++b, tap += 3) {
+            const float* const* pair_along_z = block + 4 * next_block(c.x, a) + 2 * next_block(c.y, b);
             const std::int64_t column = (place_of(c.x, a) * 16 + place_of(c.y, b) * 4) * stride;
-            *tap++ = pair[0] + column + z_place[0];
-            *tap++ = pair[z_next[1]] + column + z_place[1];
-            *tap++ = pair[z_next[2]] + column + z_place[2];
+            tap[0] = pair_along_z[0] + column + place_0;
+            tap[1] = pair_along_z[next_1] + column + place_1;
+            tap[2] = pair_along_z[next_2] + column + place_2;
         }
     }
     return true;
 }
 
-// Four channels: values and derivatives per cell.
-inline void evaluate(const corners& c, std::int64_t first, lanes& value, lanes& dx, lanes& dy, lanes& dz) noexcept {
-    value = dx = dy = dz = lanes{};
-    const float* const* tap = c.tap;
-    for (int a = 0; a < 3; ++a) {
-        lanes s{}, sy{}, sz{};
-        for (int b = 0; b < 3; ++b, tap += 3) {
-            lanes c0, c1, c2;
-            load(c0, tap[0] + first);
-            load(c1, tap[1] + first);
-            load(c2, tap[2] + first);
-            const lanes v = c.z.w[0] * c0 + c.z.w[1] * c1 + c.z.w[2] * c2;
-            const lanes dv = c.z.d[0] * c0 + c.z.d[1] * c1 + c.z.d[2] * c2;
-            s += c.y.w[b] * v;
-            sy += c.y.d[b] * v;
-            sz += c.y.w[b] * dv;
-        }
-        value += c.x.w[a] * s;
-        dx += c.x.d[a] * s;
-        dy += c.x.w[a] * sy;
-        dz += c.x.w[a] * sz;
+// The weights twice each, as operands for two channels.
+struct weights {
+    pair xw[3], xd[3], yw[3], yd[3], zw[3], zd[3];
+};
+
+void widen(const corners& c, weights& w) noexcept {
+    for (int k = 0; k < 3; ++k) {
+        w.xw[k] = both(c.x.w[k]);
+        w.xd[k] = both(c.x.d[k]);
+        w.yw[k] = both(c.y.w[k]);
+        w.yd[k] = both(c.y.d[k]);
+        w.zw[k] = both(c.z.w[k]);
+        w.zd[k] = both(c.z.d[k]);
     }
 }
 
-inline void evaluate(const corners& c, std::int64_t first, lanes& value) noexcept {
-    value = lanes{};
+// w[0] c[0] + w[1] c[1] + w[2] c[2]
+inline pair sum3(const pair w[3], const pair& c0, const pair& c1, const pair& c2) noexcept {
+    return w[0] * c0 + w[1] * c1 + w[2] * c2;
+}
+
+// Two channels: values and derivatives per cell.
+void evaluate(const corners& c, const weights& w, std::int64_t first, pair& value, pair& dx, pair& dy, pair& dz) noexcept {
     const float* const* tap = c.tap;
+    pair s[3], sy[3], sz[3];
+    PALPATE_UNROLL_3
     for (int a = 0; a < 3; ++a) {
-        lanes s{};
+        pair v[3], dv[3];
+        PALPATE_UNROLL_3
         for (int b = 0; b < 3; ++b, tap += 3) {
-            lanes c0, c1, c2;
-            load(c0, tap[0] + first);
-            load(c1, tap[1] + first);
-            load(c2, tap[2] + first);
-            s += c.y.w[b] * (c.z.w[0] * c0 + c.z.w[1] * c1 + c.z.w[2] * c2);
+            const pair c0 = load_pair(tap[0] + first);
+            const pair c1 = load_pair(tap[1] + first);
+            const pair c2 = load_pair(tap[2] + first);
+            v[b] = sum3(w.zw, c0, c1, c2);
+            dv[b] = sum3(w.zd, c0, c1, c2);
         }
-        value += c.x.w[a] * s;
+        s[a] = sum3(w.yw, v[0], v[1], v[2]);
+        sy[a] = sum3(w.yd, v[0], v[1], v[2]);
+        sz[a] = sum3(w.yw, dv[0], dv[1], dv[2]);
     }
+    value = sum3(w.xw, s[0], s[1], s[2]);
+    dx = sum3(w.xd, s[0], s[1], s[2]);
+    dy = sum3(w.xw, sy[0], sy[1], sy[2]);
+    dz = sum3(w.xw, sz[0], sz[1], sz[2]);
+}
+
+void evaluate(const corners& c, const weights& w, std::int64_t first, pair& value) noexcept {
+    const float* const* tap = c.tap;
+    pair s[3];
+    PALPATE_UNROLL_3
+    for (int a = 0; a < 3; ++a) {
+        pair v[3];
+        PALPATE_UNROLL_3
+        for (int b = 0; b < 3; ++b, tap += 3) {
+            v[b] = sum3(w.zw, load_pair(tap[0] + first), load_pair(tap[1] + first), load_pair(tap[2] + first));
+        }
+        s[a] = sum3(w.yw, v[0], v[1], v[2]);
+    }
+    value = sum3(w.xw, s[0], s[1], s[2]);
 }
 
 // sum_r g_r(d) channel_r, not below zero
@@ -148,21 +176,26 @@ void respond(const palpate_field& field, const double q[3], double depth, const 
     found = response{};
     corners c;
     if (!gather(field, q, c)) return;
+    weights w;
+    widen(c, w);
 
     double value[rfield_channel_limit];
     double dx[rfield_channel_limit], dy[rfield_channel_limit], dz[rfield_channel_limit];
-    for (std::int32_t lane = 0; lane < field.energy_lane_count; ++lane) {
-        lanes v, x, y, z;
-        evaluate(c, 4 * lane, v, x, y, z);
-        std::memcpy(value + 4 * lane, &v, sizeof v);
-        std::memcpy(dx + 4 * lane, &x, sizeof x);
-        std::memcpy(dy + 4 * lane, &y, sizeof y);
-        std::memcpy(dz + 4 * lane, &z, sizeof z);
+    for (std::int32_t first = 0; first < field.gradient_channels; first += 2) {
+        pair v, x, y, z;
+        evaluate(c, w, first, v, x, y, z);
+        for (int i = 0; i < 2; ++i) {
+            value[first + i] = v[i];
+            dx[first + i] = x[i];
+            dy[first + i] = y[i];
+            dz[first + i] = z[i];
+        }
     }
-    for (std::int32_t lane = field.energy_lane_count; lane < field.lane_count; ++lane) {
-        lanes v;
-        evaluate(c, 4 * lane, v);
-        std::memcpy(value + 4 * lane, &v, sizeof v);
+    for (std::int32_t first = field.gradient_channels; first < field.channels; first += 2) {
+        pair v;
+        evaluate(c, w, first, v);
+        value[first] = v[0];
+        value[first + 1] = v[1];
     }
 
     double x = 0.0;

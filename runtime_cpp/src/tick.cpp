@@ -83,7 +83,8 @@ bool contact(palpate_session& s, const double q[3], const location& at, const do
     }
     double n[3] = {s.spring.normal[0], s.spring.normal[1], s.spring.normal[2]};
     const bool has_normal = unit(at.gradient, n);
-    if (s.touching && dot(n, s.spring.normal) < 0.0) {  // turned over within one tick: the middle of a thin lobe
+    // Turned over within one tick, or begun without any normal: the middle of a thin lobe.
+    if (s.touching ? dot(n, s.spring.normal) < 0.0 : !has_normal) {
         status |= PALPATE_TICK_PASSED_THROUGH;
         s.entry = gate::closed;
         return false;
@@ -100,9 +101,8 @@ bool contact(palpate_session& s, const double q[3], const location& at, const do
 
     const double normal_force = -dot(r.gradient, n);
     const double mu = s.config.friction_coefficient >= 0.0 ? s.config.friction_coefficient : r.friction_coefficient;
-    const bool grips = dot(n, n) > 0.0;
-    if (grips && has_normal) turn(s.spring, n);
-    stiffen(s.spring, grips ? r.friction_stiffness : 0.0);
+    if (has_normal) turn(s.spring, n);
+    stiffen(s.spring, r.friction_stiffness);
     if (yield(s.spring, normal_force > 0.0 ? mu * normal_force : 0.0)) status |= PALPATE_TICK_SLIPPING;
     const double spring = spring_energy(s.spring);
     s.books.dissipated_friction += held - spring;
@@ -126,30 +126,24 @@ bool contact(palpate_session& s, const double q[3], const location& at, const do
     return true;
 }
 
-// A stroke longer than the geometry's spacing: what lies between its ends?  Returns what ends contact.
-std::uint32_t check_stroke(palpate_session& s, const double q[3], const location& at, double work, const double step[3],
-                           double& work_left) noexcept {
+// A stroke longer than the geometry's spacing: what lies between its ends?  Returns the bits that end contact; may
+// itself account for the whole step, leaving no work to account for.
+std::uint32_t check_stroke(palpate_session& s, const double q[3], const location& at, const double step[3],
+                           double& work) noexcept {
     stroke seen;
-    look_along(*s.field, s.q, q, s.touching, seen);
+    look_along(*s.field, s.q, q, s.touching ? s.spring.normal : nullptr, seen);
     if (seen.too_long) return PALPATE_TICK_JUMP;
-    if (seen.deep) return PALPATE_TICK_PASSED_THROUGH;
     const bool ends_in_contact = at.region == PALPATE_REGION_CONTACT;
-    if (s.touching) {
-        if (seen.left && ends_in_contact) {  // off and on again: the new contact starts unstretched
-            lift_off(s, work, step);
-            work_left = 0.0;
-        }
-    } else if (seen.touched && (seen.left || !ends_in_contact)) {
-        return PALPATE_TICK_PASSED_THROUGH;
-    } else if (seen.has_normal && ends_in_contact && dot(seen.gradient, at.gradient) < 0.0) {
-        return PALPATE_TICK_PASSED_THROUGH;
-    }
+    const bool ends_turned = ends_in_contact && dot(seen.normal, at.gradient) < 0.0;
+    const bool went_through = !s.touching && seen.touched && (seen.left || !ends_in_contact);
+    if (seen.deep || seen.turned || ends_turned || went_through) return PALPATE_TICK_PASSED_THROUGH;
     if (seen.unreached) {
-        if (s.touching) {
-            give_up(s, work);
-            work_left = 0.0;
-        }
-        if (s.entry == gate::open) s.entry = gate::zero_energy;
+        if (s.touching) give_up(s, work);
+        work = 0.0;
+        s.entry = gate::zero_energy;
+    } else if (s.touching && seen.left && ends_in_contact) {  // off and on again: the new contact starts unstretched
+        lift_off(s, work, step);
+        work = 0.0;
     }
     return 0;
 }
@@ -194,7 +188,9 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     location at;
     locate(*s.field, q, at);
     const double spacing = s.field->geometry.spacing;
-    if (status == 0 && length_squared > spacing * spacing) status |= check_stroke(s, q, at, work, step, work);
+    if (status == 0 && s.entry == gate::open && length_squared > spacing * spacing) {
+        status |= check_stroke(s, q, at, step, work);
+    }
     if (at.region == PALPATE_REGION_DEEP) status |= PALPATE_TICK_TOO_DEEP;
     if (status != 0) {
         give_up(s, work);

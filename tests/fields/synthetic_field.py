@@ -14,6 +14,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from scipy.interpolate import CubicSpline
+
 from palpate.fields.cook import write_rfield
 from palpate.fields.lattice import ABSENT_INSIDE, ABSENT_OUTSIDE, ABSENT_UNREACHED, Lattice
 from palpate.fields.response_field import (
@@ -23,7 +25,6 @@ from palpate.fields.response_field import (
     ResponseNodes,
     ToolReference,
 )
-from scipy.interpolate import CubicSpline
 
 RADIUS = 5e-3
 DEPTH_MAX = 5e-3
@@ -107,7 +108,7 @@ def synthetic_field(
     `reach` ((..., 3) -> bool, block centres): where geometry is stored at all; elsewhere "unreached".
     """
     low_, high_ = np.array(low), np.array(high)
-    half = 0.5 * np.sqrt(3.0) * 4 * geometry_spacing
+    half = (0.5 * np.sqrt(3.0) * 4 + 2) * geometry_spacing  # half a block's diagonal, and a stencil
     touched = (lambda c: np.ones(c.shape[:-1], bool)) if reach is None else reach
 
     def keep(c):

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The structs and constants of palpate.h as NumPy types; a test compares them with the library's own table."""
+
+from __future__ import annotations
+
+from enum import IntEnum, IntFlag
+
+import numpy as np
+
+__all__ = ["ABI_VERSION", "CONFIG", "FIELD_INFO", "RESPONSE", "SAMPLE", "STATE", "Input", "Region", "Tick"]
+
+ABI_VERSION = 1
+
+
+class Region(IntEnum):
+    """palpate_region: where a point is."""
+
+    OUTSIDE = 0
+    FREE = 1
+    CONTACT = 2
+    DEEP = 3
+    UNREACHED = 4
+    UNKNOWN = 5
+
+
+class Input(IntFlag):
+    """PALPATE_INPUT_ flags."""
+
+    POSITION_ONLY = 1
+    RELEASE = 2
+
+
+class Tick(IntFlag):
+    """PALPATE_TICK_ status bits; all but EXTRAPOLATED and SLIPPING mean zero force."""
+
+    EXTRAPOLATED = 1
+    SLIPPING = 2
+    UNREACHED = 4
+    TOO_DEEP = 8
+    PASSED_THROUGH = 16
+    WAITING = 32
+    JUMP = 64
+    STALE = 128
+    BAD_INPUT = 256
+    RELEASED = 512
+    BAD_ARGUMENT = 1024
+
+
+FIELD_INFO = np.dtype(
+    [
+        ("size", "<u4"),
+        ("channel_count", "<u4"),
+        ("tool_name", "<u8"),  # pointers
+        ("tool_shape", "<u8"),
+        ("tool_hash", "<u8"),
+        ("field_hash", "<u8"),
+        ("provenance", "<u8"),
+        ("provenance_size", "<u8"),
+        ("bytes", "<u8"),
+        ("tool_offset", "<f8"),  # m
+        ("depth_max", "<f8"),  # m
+        ("stiffness_max", "<f8"),  # N/m
+        ("band", "<f8", (2,)),  # m
+        ("box_min", "<f8", (3,)),  # m
+        ("box_max", "<f8", (3,)),  # m
+        ("geometry_spacing", "<f8"),  # m
+        ("amplitude_spacing", "<f8"),  # m
+        ("geometry_error_p99", "<f8"),  # m
+        ("geometry_flagged_share", "<f8"),
+        ("geometry_blocks_stored", "<u8"),
+        ("amplitude_blocks_stored", "<u8"),
+    ]
+)
+
+SAMPLE = np.dtype(
+    [
+        ("size", "<u4"),
+        ("region", "<u4"),
+        ("depth", "<f8"),  # m
+        ("normal", "<f8", (3,)),
+        ("distance_gradient", "<f8", (3,)),
+        ("stored_energy", "<f8"),  # J
+        ("force", "<f8", (3,)),  # N
+        ("normal_force", "<f8"),  # N
+        ("stiffness", "<f8"),  # N/m
+        ("friction_stiffness", "<f8"),  # N/m
+        ("friction_coefficient", "<f8"),
+    ]
+)
+
+CONFIG = np.dtype(
+    [
+        ("size", "<u4"),
+        ("reserved", "<u4"),
+        ("reference_point", "<f8", (3,)),  # m
+        ("friction_coefficient", "<f8"),
+        ("speed_max", "<f8"),  # m/s
+        ("dt_max", "<f8"),  # s
+    ]
+)
+
+STATE = np.dtype(
+    [
+        ("size", "<u4"),
+        ("flags", "<u4"),
+        ("dt", "<f8"),  # s
+        ("position", "<f8", (3,)),  # m
+        ("orientation", "<f8", (4,)),  # x y z w
+    ]
+)
+
+RESPONSE = np.dtype(
+    [
+        ("size", "<u4"),
+        ("status", "<u4"),
+        ("region", "<u4"),
+        ("reserved", "<u4"),
+        ("force", "<f8", (3,)),  # N
+        ("torque", "<f8", (3,)),  # N m
+        ("reference_point", "<f8", (3,)),  # m
+        ("anchor", "<f8", (3,)),  # m
+        ("normal", "<f8", (3,)),
+        ("depth", "<f8"),  # m
+        ("normal_force", "<f8"),  # N
+        ("stiffness", "<f8"),  # N/m
+        ("friction_stiffness", "<f8"),  # N/m
+        ("friction_coefficient", "<f8"),
+        ("stored_energy", "<f8"),  # J
+        ("spring_energy", "<f8"),  # J
+        ("work_in", "<f8"),  # J
+        ("dissipated_friction", "<f8"),  # J
+        ("dissipated_rule", "<f8"),  # J
+        ("hold_leak", "<f8"),  # J
+    ]
+)

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""One tool in a hand."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from palpate.runtime.field import Field
+from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Input
+from palpate.runtime.library import check, library
+
+__all__ = ["Config", "Session"]
+
+
+@dataclass(frozen=True)
+class Config:
+    """palpate_config.
+
+    Attributes:
+        reference_point: (3,) m, in the grip's frame.
+        friction_coefficient: >= 0 replaces the field's; None: the field's own.
+        speed_max: m/s; a faster move is a jump; 0: no limit.
+        dt_max: s; a longer tick is stale.
+    """
+
+    reference_point: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    friction_coefficient: float | None = None
+    speed_max: float = 10.0
+    dt_max: float = 0.1
+
+
+class Session:
+    """A session of the runtime; use it from one thread at a time.
+
+    Raises (on construction):
+        RuntimeFailure: a number in the config is out of range.
+    """
+
+    def __init__(self, field: Field, config: Config | None = None):
+        config = config or Config()
+        self.field = field
+        self._memory = np.zeros(-(-library().palpate_session_size() // 8), dtype=np.float64)
+        raw = np.zeros((), dtype=CONFIG)
+        raw["size"] = CONFIG.itemsize
+        raw["reference_point"] = config.reference_point
+        raw["friction_coefficient"] = (
+            -1.0 if config.friction_coefficient is None else config.friction_coefficient
+        )
+        raw["speed_max"], raw["dt_max"] = config.speed_max, config.dt_max
+        handle = ctypes.c_void_p()
+        memory, init = self._memory, library().palpate_session_init
+        status = init(memory.ctypes.data, memory.nbytes, field.handle, raw.ctypes.data, ctypes.byref(handle))
+        check(status)
+        self._handle = handle.value
+
+    def reset(self) -> None:
+        """Back to the state after construction, accounts at zero."""
+        check(library().palpate_session_reset(self._handle))
+
+    def snapshot(self) -> Session:
+        """A copy with the same state; both go on independently."""
+        copy = object.__new__(Session)
+        copy.field = self.field
+        copy._memory = np.zeros_like(self._memory)
+        handle = ctypes.c_void_p()
+        memory = copy._memory
+        check(
+            library().palpate_session_snapshot(
+                self._handle, memory.ctypes.data, memory.nbytes, ctypes.byref(handle)
+            )
+        )
+        copy._handle = handle.value
+        return copy
+
+    def tick(
+        self, position: ArrayLike, dt: float = 1e-3, orientation: ArrayLike | None = None, flags: int = 0
+    ) -> np.void:
+        """One tick: `position` (3,) m, `dt` s, `orientation` (4,) x y z w; see `tick_batch` for what comes back."""
+        batch = None if orientation is None else np.reshape(orientation, (1, 4))
+        return self.tick_batch(np.reshape(position, (1, 3)), dt, batch, flags)[0]
+
+    def tick_batch(
+        self,
+        positions: ArrayLike,
+        dt: ArrayLike = 1e-3,
+        orientations: ArrayLike | None = None,
+        flags: ArrayLike = 0,
+    ) -> np.ndarray:
+        """A trace of ticks.
+
+        Args:
+            positions: (n, 3) m; the grip.  Or (n,) structured `layout.STATE`, which then holds all the rest.
+            dt: s; scalar or (n,).
+            orientations: (n, 4) x y z w; None: the grip's axes are the organ's.
+            flags: `layout.Input`; scalar or (n,).
+
+        Returns:
+            (n,) structured array (`layout.RESPONSE`), one for each tick.  Bad input is not an error: see `status`.
+        """
+        given = np.asarray(positions)
+        if given.dtype == STATE:
+            states = np.ascontiguousarray(given).copy()
+        else:
+            given = np.reshape(given, (-1, 3))
+            states = np.zeros(len(given), dtype=STATE)
+            states["position"], states["dt"], states["flags"] = given, dt, flags
+            if orientations is None:
+                states["flags"] |= np.uint32(Input.POSITION_ONLY)
+            else:
+                states["orientation"] = orientations
+        states["size"] = STATE.itemsize
+        responses = np.zeros(len(states), dtype=RESPONSE)
+        responses["size"] = RESPONSE.itemsize
+        library().palpate_tick_batch(self._handle, states.ctypes.data, responses.ctypes.data, len(states))
+        return responses

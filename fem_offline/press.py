@@ -25,7 +25,7 @@ from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equil
 from palpate.fem_offline.site import Site
 from palpate.fem_offline.tool import Tool
 
-__all__ = ["LateralLadder", "PressRecord", "PressSettings", "press"]
+__all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "press"]
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,19 @@ class LateralLadder:
 
 
 @dataclass(frozen=True)
+class PressState:
+    """What a lateral move can be chosen by.
+
+    Attributes:
+        normal: (3,) outward.  force: (3,) N on the tool.  sticking_stiffness: (3, 3) N/m.
+    """
+
+    normal: np.ndarray
+    force: np.ndarray
+    sticking_stiffness: np.ndarray
+
+
+@dataclass(frozen=True)
 class PressRecord:
     """What one press found.  K states, the untouched one first.
 
@@ -81,7 +94,6 @@ class PressRecord:
         sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck; zero at the zero state.
         lateral: sticking lateral ladders.
         work_mismatch: largest |W - integral of f_n| over the ladder, fraction of the deepest W.
-        far_rotation: rad; largest rotation of the near body's interface, 0 for full fidelity.
         converged: every depth asked for was reached.  reason: why not, else "".
         unknowns: free equations.  newton_steps: in all.  seconds: wall time.  fidelity: near_field or full.
     """
@@ -192,15 +204,15 @@ def press(
     tool: Tool,
     depths: np.ndarray,
     settings: PressSettings = PressSettings(),  # noqa: B008 (frozen)
-    lateral: dict[int, np.ndarray] | None = None,
+    moves: Callable[[int, PressState], np.ndarray | None] = lambda index, state: None,
     progress: Callable[[float], None] = lambda depth: None,
 ) -> PressRecord:
     """Press `tool` into a site along -normal.
 
     Args:
         depths: (K - 1,) m, rising, positive.
-        lateral: for some indices of `depths`, tool translations (M, 3) m tried one after the other with the contact
-            stuck; each starts where the last one ended.
+        moves: of the index in `depths` and the state there, tool translations (M, 3) m tried one after the other
+            with the contact stuck (each starts where the last one ended), or None.
         progress: called with each depth reached.
 
     Returns:
@@ -228,8 +240,9 @@ def press(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
                  touch.penetration, stiffness)
             )  # fmt: skip
-            if lateral and index in lateral:
-                ladders.append(_lateral_ladder(site, found, stuck, float(depth), lateral[index], settings, ladder))
+            wanted = moves(index, PressState(site.normal, touch.force, stiffness))
+            if wanted is not None:
+                ladders.append(_lateral_ladder(site, found, stuck, float(depth), wanted, settings, ladder))
         except EquilibriumError as error:
             reason = f"stopped before {depth * 1e3:.2f} mm: {error}"
             break

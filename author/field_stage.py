@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""From press outcomes to a response field: the seam where the mechanics' arrays become the field's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from palpate.author.organ_stage import OrganMesh
+from palpate.author.press_jobs import PressOutcome, tangents
+from palpate.author.sampling import ReachSamples
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import Tool
+from palpate.fem_offline.tool import Sphere
+from palpate.fields.build_field import build_field
+from palpate.fields.contact_geometry import contact_geometry
+from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
+from palpate.fields.response_field import ContactGeometry, ResponseField, ToolReference
+
+__all__ = ["band_of", "contact_geometry_of", "field_of", "tool_reference"]
+
+SMALL_MOVE = 1e-4
+"""m; the linear sticking stiffness is handed on as two moves this long."""
+BAND_OUTSIDE = 3e-3
+"""m of free space above the surface in which depth is known before contact."""
+DEEPER = 0.3
+"""The band goes this share of depth_max deeper than any press, at least 1.5 mm."""
+
+
+def tool_reference(tool: Tool) -> ToolReference:
+    radius = float(tool.radius[0])  # type: ignore[index]  (require_capabilities: a sphere with one radius)
+    return ToolReference(tool.name, tool.shape, radius, {"radius": radius}, Sphere(radius).hash())
+
+
+def band_of(scene: Scene) -> tuple[float, float]:
+    """(low, high) m of phi that all tools of the scene need."""
+    low, high = np.inf, -np.inf
+    for tool in scene.tool:
+        offset, depth = tool_reference(tool).offset, scene.depth_max(tool)
+        low = min(low, offset - depth - max(DEEPER * depth, 1.5e-3))
+        high = max(high, offset + BAND_OUTSIDE)
+    return float(low), float(high)
+
+
+def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) -> ContactGeometry:
+    """The contact geometry that all tools of the scene share."""
+    low, high = band_of(scene)
+    margin = 14e-3
+    around = margin + max(abs(low), abs(high)) + 5e-3
+    bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
+    return contact_geometry(mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=margin)
+
+
+def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
+    a = outcome.arrays
+    normal, force = a["normal"], a["force_vector"]
+    ladders = []
+    if friction is not None:
+        frame = tangents(normal)
+        for k in range(1, len(a["depth"])):
+            stiffness = a["sticking_stiffness"][k]
+            s = SMALL_MOVE * frame
+            change = -s @ stiffness
+            work = -(s @ force[k]) + 0.5 * np.einsum("mi,ij,mj->m", s, stiffness, s)
+            ladders.append(LateralLadder(float(a["depth"][k]), s, change, work))
+    return PressArrays(
+        a["contact_point"], normal, a["depth"], force, a["energy"], tuple(ladders), friction or 0.0, outcome.key
+    )
+
+
+def field_of(
+    scene: Scene,
+    tool: Tool,
+    mesh: OrganMesh,
+    samples: ReachSamples,
+    geometry: ContactGeometry,
+    outcomes: Sequence[PressOutcome],
+    provenance: dict[str, Any],
+) -> tuple[ResponseField, list[dict[str, Any]]]:
+    """The field of one tool, and the presses that could not become nodes, each with its reason."""
+    depth_max = scene.depth_max(tool)
+    friction = (tool.friction or 0.0) if "friction" in scene.effects else None
+    usable, failures = [], []
+    for outcome in outcomes:
+        reason = outcome.values["reason"]
+        press = None
+        if len(outcome.arrays["depth"]) > 1:
+            press = _arrays(outcome, friction)
+            reason = why_unusable(press, depth_max) or reason
+        if press is not None and why_unusable(press, depth_max) is None:
+            usable.append(press)
+        if reason:
+            point = list(outcome.job.contact_point)
+            failures.append({"tool": tool.name, "contact_point": point, "reason": reason, "hash": outcome.key})
+    count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
+    reference = tool_reference(tool)
+    nodes = fit_nodes(usable, uniform_knots(depth_max, count), reference.offset, geometry)
+    field = build_field(nodes, geometry, reference, samples.beyond(mesh), provenance=provenance)
+    return field, failures

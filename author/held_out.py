@@ -1,0 +1,187 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Fresh presses against the real runtime: what a hand would feel where nobody pressed.
+
+For each held-out press the runtime's session is moved as the tool was: from free space straight down to every depth
+of the ladder without friction, and, in a second session with the field's friction, down and then aside as the
+sticking press went.  Errors are relative to the FEM normal force at that depth:
+
+    force error    |f_n(tick) - f_n(FEM)| / f_n(FEM)
+    lateral error  |f_t(tick) - f_t(FEM)| / f_n(FEM)         frictionless push along the surface
+    stuck error    |f_t(tick) - f_t(FEM)| / f_n(FEM)         after a sticking move
+
+judged where f_n(FEM) exceeds FLOOR of its value at the deepest state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from palpate.author.press_jobs import PressJob, PressOutcome
+from palpate.runtime import Config, Field, Session
+
+__all__ = ["FLOOR", "held_out_jobs", "judgement", "percentiles"]
+
+FLOOR = 0.05
+"""Share of the deepest force below which errors are not judged: nothing is felt there."""
+TICK = 25e-6
+"""m between ticks of the rendered path."""
+APPROACH = 1e-3
+"""m; the session starts this far outside."""
+REACHED = 0.7
+"""Sticking moves go this share of the stretch at which friction yields."""
+
+
+@dataclass(frozen=True)
+class _Rendered:
+    force: np.ndarray
+    status: np.ndarray
+
+
+def held_out_jobs(
+    points: np.ndarray, radius: float, depths: np.ndarray, friction: float, fidelity: str, seed: int
+) -> list[PressJob]:
+    """Jobs at points (n, 3) m; with friction, each sticks and moves aside at half and full depth."""
+    generator = np.random.default_rng(seed + 1_000_003)
+    jobs = []
+    for point in points:
+        angles = generator.uniform(0.0, 2.0 * np.pi, 2)
+        last = len(depths) - 1
+        moves = ((last // 2, REACHED, float(angles[0])), (last, REACHED, float(angles[1]))) if friction else ()
+        jobs.append(
+            PressJob(tuple(map(float, point)), radius, tuple(map(float, depths)), fidelity, moves, friction)
+        )
+    return jobs
+
+
+def _line(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    count = max(1, int(np.ceil(np.linalg.norm(end - start) / TICK)))
+    return start + np.linspace(0.0, 1.0, count + 1)[1:, None] * (end - start)
+
+
+def _render(field: Field, friction: float | None, legs: Sequence[np.ndarray]) -> _Rendered:
+    """Force and status at the end of each leg of a path, the first leg's start included in it."""
+    session = Session(field, Config(friction_coefficient=friction))
+    session.tick(legs[0])
+    here, forces, status = legs[0], [], []
+    for leg in legs[1:]:
+        response = session.tick_batch(_line(here, leg))
+        forces.append(response["force"][-1].copy())
+        status.append(int(np.bitwise_or.reduce(response["status"])))
+        here = leg
+    return _Rendered(np.array(forces), np.array(status))
+
+
+def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict[str, Any]:
+    a, v = outcome.arrays, outcome.values
+    row: dict[str, Any] = {
+        "contact_point": list(outcome.job.contact_point),
+        "converged": bool(v["converged"]),
+        "reason": v["reason"],
+        "hash": outcome.key,
+        "fidelity": outcome.job.fidelity,
+        "seconds": v["seconds"],
+        "moves": [],
+    }
+    if "normal" not in a or len(a["depth"]) < 2:
+        return {**row, "normal": [0.0, 0.0, 0.0], "depth": [], "fem_force": [], "rendered_force": [],
+                "force_error": [], "lateral_error": [], "status": []}  # fmt: skip
+    c, n = a["contact_point"], a["normal"]
+    depth, fem = a["depth"][1:], a["force_vector"][1:]
+    at = lambda d: c + (offset - d) * n  # noqa: E731
+    start = c + (offset + APPROACH) * n
+    rendered = _render(field, 0.0, [start, *[at(d) for d in depth]])
+    fem_normal = fem @ n
+    judged = fem_normal >= FLOOR * fem_normal[-1]
+    normal_error = np.abs(rendered.force @ n - fem_normal) / np.abs(fem_normal)
+    difference = rendered.force - fem
+    aside = np.linalg.norm(difference - (difference @ n)[:, None] * n, axis=1) / np.abs(fem_normal)
+    for ladder in v["lateral"]:
+        d, move = ladder["depth"], np.array(ladder["deflection"])[-1]
+        fem_stuck = np.array(ladder["force_vector"])[-1]
+        stuck = _render(field, None, [start, at(d), at(d) + move])
+        miss = stuck.force[-1] - fem_stuck
+        scale = float(np.array(ladder["force_vector"])[0] @ n)
+        row["moves"].append(
+            {
+                "depth": d,
+                "move": move.tolist(),
+                "fem_force": fem_stuck.tolist(),
+                "rendered_force": stuck.force[-1].tolist(),
+                "error": float(np.linalg.norm(miss - (miss @ n) * n) / scale),
+            }
+        )
+    mask = lambda values: [float(x) if ok else None for x, ok in zip(values, judged, strict=True)]  # noqa: E731
+    return {
+        **row,
+        "normal": n.tolist(),
+        "depth": depth.tolist(),
+        "fem_force": fem.tolist(),
+        "rendered_force": rendered.force.tolist(),
+        "force_error": mask(normal_error),
+        "lateral_error": mask(aside),
+        "status": rendered.status.tolist(),
+    }
+
+
+def percentiles(values: Sequence[float | None]) -> dict[str, float] | None:
+    """p50, p95 and max of what is not None; None where nothing is."""
+    known = np.array([value for value in values if value is not None], float)
+    if not len(known):
+        return None
+    return {
+        "p50": float(np.percentile(known, 50)),
+        "p95": float(np.percentile(known, 95)),
+        "max": float(known.max()),
+    }
+
+
+def judgement(
+    field: Field, offset: float, outcomes: Sequence[PressOutcome], near: Sequence[PressOutcome], tolerance: float
+) -> dict[str, Any]:
+    """Held-out errors of one tool.
+
+    Args:
+        offset: rho, m.
+        outcomes: held-out presses.
+        near: near-field presses at some of the same points, for the far field's own error; may be empty.
+        tolerance: fraction at the 95th percentile; the worst may be twice that.
+    """
+    presses = [_press_judgement(field, offset, outcome) for outcome in outcomes]
+    flat = lambda key: [x for press in presses for x in press[key]]  # noqa: E731
+    force = percentiles(flat("force_error"))
+    lateral = percentiles(flat("lateral_error"))
+    stuck = percentiles([move["error"] for press in presses for move in press["moves"]])
+    failed = sum(not press["converged"] for press in presses)
+    met = force is not None and force["p95"] <= tolerance and force["max"] <= 2.0 * tolerance
+    return {
+        "fidelity": outcomes[0].job.fidelity if outcomes else "",
+        "tolerance": tolerance,
+        "met": bool(met and not failed),
+        "floor": FLOOR,
+        "points": len(presses),
+        "failed": failed,
+        "seconds": float(sum(press["seconds"] for press in presses)),
+        "force_error": force,
+        "lateral_error": lateral,
+        "stuck_error": stuck,
+        "far_field_error": _far_field_error(outcomes, near),
+        "presses": presses,
+    }
+
+
+def _far_field_error(full: Sequence[PressOutcome], near: Sequence[PressOutcome]) -> dict[str, float] | None:
+    truth = {outcome.job.contact_point: outcome for outcome in full}
+    errors: list[float] = []
+    for outcome in near:
+        other = truth.get(outcome.job.contact_point)
+        if other is None or not (outcome.converged and other.converged):
+            continue
+        f = other.arrays["force_vector"][1:] @ other.arrays["normal"]
+        miss = outcome.arrays["force_vector"][1:] @ other.arrays["normal"] - f
+        errors += list(np.abs(miss / f)[f >= FLOOR * f[-1]])
+    return percentiles(errors)

@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a scene to an organ that can be pressed: repaired surface, tetrahedra, regions, supports.
+
+Surface and tetrahedra are kept by the hash of the surface file and the settings: fTetWild is not deterministic, so
+the first mesh stays the mesh.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from palpate.author.errors import InputError
+from palpate.author.organ_check import OrganSummary, check_against_organ
+from palpate.author.organ_parts import organ_parts
+from palpate.author.plan import planned_mesh_size
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import Material, Support
+from palpate.author.scene_types import digest
+from palpate.author.store import Store
+from palpate.fem_offline.errors import MeshError
+from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.organ import Organ, faces_held
+from palpate.fem_offline.signed_distance import SignedDistance
+from palpate.fem_offline.surface import OrganSurface, repair_surface
+from palpate.fem_offline.tetrahedra import tetrahedralise
+from palpate.fields.organ_geometry import OrganGeometry
+from palpate.fields.organ_geometry import Support as GeometrySupport
+
+__all__ = ["OrganMesh", "mesh_organ", "solid_of"]
+
+
+def solid_of(material: Material) -> NeoHookean:
+    """The mechanics' material of a scene's material table (checked by `require_capabilities`)."""
+    nu = material.poissons_ratio
+    return NeoHookean(2.0 * (1.0 + nu) * material.shear_modulus, nu)
+
+
+@dataclass(frozen=True)
+class OrganMesh:
+    """An organ's surface and tetrahedra with what the scene says about them; picklable.
+
+    Attributes:
+        vertices (V, 3) m, triangles (F, 3): the smooth closed surface.
+        points (P, 3) m, tets (T, 4): tetrahedra, positive.
+        scene_organ: the scene's [organ] table.
+        report: surface and mesh reports, JSON-clean.
+        hash: hex digest of mesh, materials and supports; every press depends on it.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    points: np.ndarray
+    tets: np.ndarray
+    name: str
+    material: Material
+    supports: tuple[Support, ...]
+    report: dict[str, Any]
+    hash: str
+
+    def held(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) m -> (n,) bool; inside a support."""
+        inside = np.zeros(len(points), bool)
+        for support in self.supports:
+            inside |= support.contains(points)
+        return inside
+
+    @cached_property
+    def distance(self) -> SignedDistance:
+        return SignedDistance(self.vertices, self.triangles)
+
+    @cached_property
+    def organ(self) -> Organ:
+        """The mechanics' view."""
+        label = np.zeros(len(self.tets), int)
+        return Organ(
+            self.points,
+            self.tets.astype(np.int64),
+            {0: solid_of(self.material)},
+            label,
+            self.held,
+            self.distance.project,
+            self.hash,
+        )
+
+    def geometry(self, reach: np.ndarray) -> OrganGeometry:
+        """The asset's view; reach (F,) bool of surface triangles that a tool may touch."""
+        organ = self.organ
+        on_face = faces_held(self.points, organ.faces, self.held)
+        supports = []
+        for i, support in enumerate(self.supports):
+            inside = support.contains(self.points)
+            mine = organ.faces[on_face & inside[organ.faces].all(axis=1)]
+            shown = np.flatnonzero(support.contains(self.vertices)[self.triangles].all(axis=1))
+            supports.append(
+                GeometrySupport(f"support_{i}", np.unique(mine).astype(np.int32), shown.astype(np.int32))
+            )
+        return OrganGeometry(
+            name=self.name,
+            vertices=self.vertices,
+            triangles=self.triangles.astype(np.int32),
+            tet_points=self.points,
+            tet_indices=self.tets.astype(np.int32),
+            supports=tuple(supports),
+            region_names=("tissue",),
+            region_label=np.zeros(len(self.tets), np.int32),
+            reach_triangles=np.flatnonzero(reach).astype(np.int32),
+            material={
+                "model": self.material.model,
+                "youngs_modulus": solid_of(self.material).youngs_modulus,
+                "poissons_ratio": self.material.poissons_ratio,
+            },
+            provenance={"surface": self.report["surface"], "mesh": self.report["mesh"]},
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: v for k, v in self.__dict__.items() if k not in ("distance", "organ")}
+
+
+def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
+    """Repair and tetrahedralise the scene's organ, or take what is kept.
+
+    Raises:
+        InputError: the surface, its size, the mesh size, a support or the reach does not fit.
+    """
+    table = scene.organ
+    size = planned_mesh_size(scene, _surface_summary(scene))
+    surface_key = digest(
+        {
+            "file": hashlib.sha256(table.surface.read_bytes()).hexdigest(),
+            "units": table.units or "m",
+            "repair": table.repair,
+            "version": 2,
+        }
+    )
+    try:
+        arrays, surface_report = store.kept("surface", surface_key, lambda: _repair(scene))
+        vertices, triangles = arrays["vertices"], arrays["triangles"]
+        check_against_organ(scene, OrganSummary(vertices, triangles))
+        mesh_key = digest({"surface": surface_key, "mesh_size": size, "version": 1})
+        tets, mesh_report = store.kept(
+            "mesh", mesh_key, lambda: _tetrahedralise(vertices, triangles, surface_report, size)
+        )
+    except MeshError as error:
+        key = "organ.mesh_size" if "mesh_size" in f"{error.where}" else "organ.surface"
+        raise InputError(scene.problem(key, None, error.what, error.expected)) from error
+    identity = digest(
+        {
+            "points": hashlib.sha256(tets["points"].tobytes() + tets["tets"].tobytes()).hexdigest(),
+            "surface": hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest(),
+            "material": table.material.hash_inputs(),
+            "supports": [support.hash_inputs() for support in table.support],
+        }
+    )
+    mesh = OrganMesh(
+        vertices,
+        triangles,
+        tets["points"],
+        tets["tets"],
+        scene.name,
+        table.material,
+        table.support,
+        {"surface": surface_report, "mesh": mesh_report},
+        identity,
+    )
+    _refuse_idle_supports(scene, mesh)
+    return mesh
+
+
+def _surface_summary(scene: Scene) -> OrganSummary:
+    from palpate.author.organ_parts import rough_summary
+
+    summary, _ = rough_summary(organ_parts(scene))
+    check_against_organ(scene, summary)
+    return summary
+
+
+def _repair(scene: Scene):
+    surface = repair_surface(organ_parts(scene), scene.organ.repair)
+    report = {k: _clean(v) for k, v in asdict(surface.report).items()}
+    return {"vertices": surface.vertices, "triangles": surface.triangles}, report
+
+
+def _tetrahedralise(vertices: np.ndarray, triangles: np.ndarray, report: dict[str, Any], size: float):
+    from palpate.fem_offline.surface import SurfaceReport
+
+    surface = OrganSurface(vertices, triangles, SurfaceReport(**report))
+    mesh = tetrahedralise(surface, size)
+    values = {k: _clean(v) for k, v in asdict(mesh.report).items()}
+    values["tets"] = len(mesh.tets)
+    return {"points": mesh.points, "tets": mesh.tets}, values
+
+
+def _refuse_idle_supports(scene: Scene, mesh: OrganMesh) -> None:
+    faces = mesh.organ.faces
+    problems = []
+    for i, support in enumerate(mesh.supports):
+        inside = support.contains(mesh.points)
+        if not inside[faces].all(axis=1).any():
+            key = f"organ.support[{i}]"
+            what = "holds no whole triangle of the organ's surface"
+            problems.append(scene.problem(key, None, what, "a place that covers part of the surface"))
+    if problems:
+        raise InputError(problems)
+
+
+def _clean(value: Any) -> Any:
+    if isinstance(value, (tuple, list)):
+        return [_clean(v) for v in value]
+    if isinstance(value, dict):
+        return {k: _clean(v) for k, v in value.items()}
+    return value.item() if isinstance(value, np.generic) else value

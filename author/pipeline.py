@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The main job: repair, tetrahedralise, press, fit, write, cook, validate, report."""
+
+from __future__ import annotations
+
+import json
+import platform
+import resource
+import time
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.author.effort import node_count
+from palpate.author.errors import InputError
+from palpate.author.field_stage import contact_geometry_of, field_of, tool_reference
+from palpate.author.held_out import held_out_jobs, judgement
+from palpate.author.organ_stage import OrganMesh, mesh_organ
+from palpate.author.press_jobs import PRESS_VERSION, PressJob, press_executor, run_jobs
+from palpate.author.progress import Progress, SilentProgress
+from palpate.author.sampling import ReachSamples, farthest_points, held_out_points, reach_samples
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import Tool
+from palpate.author.scene_types import digest
+from palpate.author.store import Store
+
+__all__ = ["author", "ladder", "node_jobs"]
+
+LADDER_STEPS = 10
+"""Depths of a normal ladder, evenly spaced: a step of 0.1 R at depth R."""
+NEAR_CHECKS = 3
+"""Held-out points pressed at near_field fidelity as well, so that the far field's own error is known."""
+TRUTH = "full"
+"""Fidelity of held-out presses."""
+
+
+def ladder(depth_max: float) -> np.ndarray:
+    """(LADDER_STEPS,) m."""
+    return depth_max * np.arange(1, LADDER_STEPS + 1) / LADDER_STEPS
+
+
+def node_jobs(points: np.ndarray, radius: float, depth_max: float, fidelity: str) -> list[PressJob]:
+    depths = tuple(map(float, ladder(depth_max)))
+    return [PressJob(tuple(map(float, point)), radius, depths, fidelity) for point in points]
+
+
+def author(scene: Scene, out: Path, progress: Progress | None = None) -> dict[str, Any]:
+    """Make the asset of a scene in the folder `out`.
+
+    Returns:
+        What `palpate author --json` prints.
+
+    Raises:
+        InputError: the scene does not fit its organ.
+    """
+    begun = time.perf_counter()
+    progress = progress or SilentProgress()
+    out = Path(out)
+    store = Store(out / "work")
+    stages = _Stages(progress)
+
+    stages.begin("surface and tetrahedra")
+    mesh = mesh_organ(scene, store)
+    tools = [_ToolWork(scene, mesh, tool) for tool in scene.tool]
+
+    stages.begin("presses", sum(len(work.jobs) for work in tools))
+    with press_executor() as executor:
+        for work in tools:
+            work.press(mesh, store, executor, progress)
+
+    stages.begin("contact geometry and response field")
+    samples = tools[0].samples
+    geometry = contact_geometry_of(scene, mesh, samples)
+    fields = [work.fit(scene, mesh, geometry) for work in tools]
+
+    stages.begin("asset")
+    asset = _write(out, mesh, samples, fields)
+    results = [_cooked(out, field) for field in fields]
+
+    stages.begin("validation")
+    for work, result in zip(tools, results, strict=True):
+        judged = work.validate(scene, out, result["rfield"])
+        result.update(
+            presses=len(work.node_outcomes) + len(judged["presses"]),
+            failed=len(work.failures) + judged["failed"],
+            held_out=len(judged["presses"]),
+            force_error=judged["force_error"],
+            lateral_error=judged["lateral_error"],
+            stuck_error=judged["stuck_error"],
+            far_field_error=judged["far_field_error"],
+            met=judged["met"],
+        )
+
+    stages.begin("report")
+    usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    summary: dict[str, Any] = {
+        "asset": str(asset),
+        "tools": results,
+        "tolerance_met": all(result["met"] for result in results),
+        "organ": mesh.report,
+        "failures": [failure for work in tools for failure in work.failures],
+        "left_out": samples.left_out,
+        "damaged_records": store.damaged,
+        "seed": scene.accuracy.seed,
+        "versions": _versions(),
+        "hashes": {"organ": mesh.hash, "scene": digest(scene.hash_inputs())},
+        "peak_memory": max(use.ru_maxrss for use in usage) * 1024,
+    }
+    stages.end()
+    summary["stages"] = stages.rows
+    summary["seconds"] = time.perf_counter() - begun
+    summary["cpu_seconds"] = sum(use.ru_utime + use.ru_stime for use in usage)
+    from palpate.author.report import write_report
+
+    summary["report"] = str(write_report(out, summary))
+    (out / "summary.json").write_text(json.dumps(summary, indent=1))
+    return summary
+
+
+class _Stages:
+    """Names and times of the stages."""
+
+    def __init__(self, progress: Progress) -> None:
+        self.progress = progress
+        self.rows: list[dict[str, Any]] = []
+        self._begun = time.perf_counter()
+        self._name = ""
+
+    def begin(self, name: str, total: int | None = None) -> None:
+        self.end()
+        self._name, self._begun = name, time.perf_counter()
+        self.progress.stage(name, total)
+
+    def end(self) -> None:
+        if self._name:
+            self.rows.append({"name": self._name, "seconds": time.perf_counter() - self._begun})
+        self._name = ""
+
+
+class _ToolWork:
+    """What one tool asks for: its places, its presses, its field, its judgement."""
+
+    def __init__(self, scene: Scene, mesh: OrganMesh, tool: Tool) -> None:
+        self.tool = tool
+        self.reference = tool_reference(tool)
+        self.depth_max = scene.depth_max(tool)
+        self.seed = scene.accuracy.seed
+        self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.reference.offset, self.depth_max)
+        if not self.samples.allowed.any():
+            why = "; ".join(f"{count} places: {reason}" for reason, count in self.samples.left_out.items())
+            raise InputError(
+                scene.problem("reach", None, f"has no place that {tool.name} can press ({why or 'nothing there'})",
+                              "free, thick enough surface of the organ, outside its supports")
+            )  # fmt: skip
+        area = len(self.samples.points) * self.samples.spacing**2
+        count = node_count(area, scene.accuracy.force_tolerance)
+        held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
+        nodes = farthest_points(self.samples, count)
+        friction = (tool.friction or 0.0) if "friction" in scene.effects else 0.0
+        radius, depths = self.reference.offset, ladder(self.depth_max)
+        points = self.samples.points
+        self.node_jobs = node_jobs(points[nodes], radius, self.depth_max, scene.accuracy.fidelity)
+        self.held_jobs = held_out_jobs(points[held], radius, depths, friction, TRUTH, self.seed)
+        self.near_jobs = (
+            node_jobs(points[held[:NEAR_CHECKS]], radius, self.depth_max, "near_field")
+            if scene.accuracy.fidelity == "near_field"
+            else []
+        )
+        self.failures: list[dict[str, Any]] = []
+
+    @property
+    def jobs(self) -> list[PressJob]:
+        """Longest first, so that no core waits at the end."""
+        return [*self.held_jobs, *self.node_jobs, *self.near_jobs]
+
+    def press(self, mesh: OrganMesh, store: Store, executor: Any, progress: Progress) -> None:
+        def done(outcome: Any) -> None:
+            progress.advance(1, outcome.values["reason"][:60] or ("" if outcome.fresh else "kept"))
+
+        outcomes = run_jobs(mesh, self.jobs, store, executor, done)
+        a, b = len(self.held_jobs), len(self.held_jobs) + len(self.node_jobs)
+        self.held_outcomes, self.node_outcomes, self.near_outcomes = outcomes[:a], outcomes[a:b], outcomes[b:]
+
+    def fit(self, scene: Scene, mesh: OrganMesh, geometry: Any) -> Any:
+        provenance = {
+            "scene": {
+                "hash": digest(scene.hash_inputs()),
+                "name": scene.name,
+                "effects": list(scene.effects),
+                "support": [s.model_dump(mode="json", exclude_none=True) for s in scene.organ.support],
+                "reach": scene.reach.model_dump(mode="json", exclude_none=True),
+                "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
+                "tool": self.tool.model_dump(mode="json", exclude_none=True),
+                "accuracy": scene.accuracy.model_dump(mode="json", exclude_none=True),
+            },
+            "organ": mesh.hash,
+            "tool": self.reference.hash,
+            "presses": {"version": PRESS_VERSION, "fidelity": scene.accuracy.fidelity, "depths": LADDER_STEPS},
+            "seed": self.seed,
+            "versions": _versions(),
+        }
+        field, self.failures = field_of(
+            scene, self.tool, mesh, self.samples, geometry, self.node_outcomes, provenance
+        )
+        return field
+
+    def validate(self, scene: Scene, out: Path, rfield: str) -> dict[str, Any]:
+        from palpate.runtime import Field
+
+        judged = judgement(
+            Field.open(rfield),
+            self.reference.offset,
+            self.held_outcomes,
+            self.near_outcomes,
+            scene.accuracy.force_tolerance,
+        )
+        judged = {"tool": self.tool.name, "seed": self.seed, **judged}
+        path = out / "validation" / f"{self.tool.name}.json"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(judged))
+        return judged
+
+
+def _write(out: Path, mesh: OrganMesh, samples: ReachSamples, fields: list[Any]) -> Path:
+    from palpate.fields.usd_write import write_asset
+
+    centres = mesh.vertices[mesh.triangles].mean(axis=1)
+    reached = samples.beyond(mesh)(centres) <= 0.0
+    asset = out
+    for field in fields:
+        asset = write_asset(out, mesh.geometry(reached), field, replace=field is fields[0])
+    return asset
+
+
+def _cooked(out: Path, field: Any) -> dict[str, Any]:
+    from palpate.fields.cook import write_rfield
+
+    path = out / f"{field.tool.name}.rfield"
+    write_rfield(field, path)
+    return {
+        "name": field.tool.name,
+        "rfield": str(path),
+        "bytes": path.stat().st_size,
+        "nodes": field.nodes.node_count,
+        "representation": field.representation,
+    }
+
+
+def _versions() -> dict[str, str]:
+    names = ("palpate", "numpy", "scipy", "warp-lang", "usd-core", "pytetwild", "mmgpy", "pymeshlab")
+    return {**{name: metadata.version(name) for name in names}, "python": platform.python_version()}

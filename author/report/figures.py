@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page's interactive figures, as plotly's own JSON; the 3-D organ is in organ_figure.py."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.subplots import make_subplots
+
+from palpate.author.report.gather import Sources
+from palpate.author.report.held_out_rows import pooled
+from palpate.author.report.maps import ReachMap
+from palpate.author.report.numbers import percent
+from palpate.author.report.organ_figure import organ_figure, organ_maps
+from palpate.author.report.palette import ERROR_KINDS, FEM, INK, MARK, QUIET, RENDERED
+
+__all__ = ["error_figure", "figures", "worst_figure"]
+
+
+def figures(sources: Sources, maps: list[ReachMap], report: dict[str, Any]) -> list[dict[str, Any]]:
+    """One dict per tool: name of the figure -> plotly JSON text or None where there is nothing to draw."""
+    out = []
+    for field, validation, reach, tool in zip(
+        sources.fields, sources.validations, maps, report["tools"], strict=True
+    ):
+        out.append(
+            {
+                "organ": organ_figure(field, reach, tool).to_json(),
+                "maps": organ_maps(reach),
+                "errors": _json(error_figure(validation, report["just_noticeable_difference"])),
+                "worst": _json(worst_figure(tool)),
+                "residuals": _json(residual_figure(tool)),
+            }
+        )
+    return out
+
+
+def _json(figure: go.Figure | None) -> str | None:
+    return None if figure is None else figure.to_json()
+
+
+def error_figure(validation: dict[str, Any] | None, noticeable: float) -> go.Figure | None:
+    """Histogram of normal-force errors; cumulative curves of all three errors."""
+    errors = {key: 100 * np.sort(pooled(validation, key)) for key in ERROR_KINDS}
+    if validation is None or not len(errors["force_error"]):
+        return None
+    tolerance = 100 * validation["tolerance"]
+    figure = make_subplots(
+        cols=2,
+        horizontal_spacing=0.09,
+        column_titles=["States by normal-force error", "Share of states with at most this error"],
+    )
+    force = errors["force_error"]
+    top = max(force[-1], 1.15 * tolerance, 108 * noticeable)
+    edges = np.linspace(0.0, top, 33)
+    count, _ = np.histogram(force, edges)
+    figure.add_bar(
+        x=0.5 * (edges[1:] + edges[:-1]), y=count, width=np.diff(edges), marker={"color": RENDERED, "line_width": 0},
+        name="states", showlegend=False, hovertemplate="%{x:.2f} %: %{y} states<extra></extra>",
+    )  # fmt: skip
+    for key, (name, colour, dash) in ERROR_KINDS.items():
+        values = errors[key]
+        if len(values):
+            share = 100 * np.arange(1, len(values) + 1) / len(values)
+            figure.add_scatter(
+                x=np.r_[0, values], y=np.r_[0, share], mode="lines", name=f"{name} ({len(values)})", row=1, col=2,
+                line={"color": colour, "width": 2, "dash": dash, "shape": "hv"},
+                hovertemplate="%{y:.0f} % of states within %{x:.2f} %<extra>" + name + "</extra>",
+            )  # fmt: skip
+    for column in (1, 2):
+        marks = [(tolerance, f"asked {percent(validation['tolerance'])}", "dash", 1.0)]
+        if abs(noticeable - validation["tolerance"]) > 1e-9:
+            marks.append((100 * noticeable, f"noticeable {percent(noticeable)}", "dot", 0.9))
+        for x, text, dash, height in marks:
+            figure.add_vline(x=x, line={"color": MARK, "width": 1.3, "dash": dash}, row=1, col=column)  # type: ignore
+            figure.add_annotation(
+                x=x, y=height, yref="y domain" if column == 1 else "y2 domain", xref="x" if column == 1 else "x2",
+                text=text, showarrow=False, xanchor="left", yanchor="top", xshift=4, font={"size": 11, "color": MARK},
+                bgcolor="rgba(255,255,255,0.8)",
+            )  # fmt: skip
+    figure.add_hline(y=95, line={"color": QUIET, "width": 1}, row=1, col=2)  # type: ignore
+    figure.update_xaxes(title_text="error, % of the FEM normal force at that depth", rangemode="tozero")
+    figure.update_xaxes(range=[0, top * 1.02], row=1, col=1)
+    figure.update_yaxes(title_text="states", row=1, col=1)
+    figure.update_yaxes(title_text="%", range=[0, 102], row=1, col=2)
+    figure.update_layout(legend={"x": 0.99, "y": 0.05, "xanchor": "right", "yanchor": "bottom"})
+    return _dressed(figure, 360)
+
+
+def worst_figure(tool: dict[str, Any]) -> go.Figure | None:
+    """Normal and lateral curves of the worst held-out presses, FEM and rendered."""
+    worst = [tool["held_out"][index] for index in tool["worst"]]
+    if not worst:
+        return None
+    figure = make_subplots(
+        rows=2, cols=len(worst), shared_xaxes=True, vertical_spacing=0.08, row_heights=[0.6, 0.4],
+        column_titles=[f"no. {row['number']}, {percent(row['force_error_max'])}" for row in worst],
+    )  # fmt: skip
+    for column, row in enumerate(worst, 1):
+        depth = 1e3 * np.array(row["depth"])
+        drawn = [(1, "normal", "solid"), (2, "along", "solid"), (2, "across", "dot")]
+        for line, part, dash in drawn:
+            first = column == 1
+            figure.add_scatter(
+                x=depth, y=row["curves"]["rendered"][part], row=line, col=column, mode="lines",
+                line={"color": RENDERED, "width": 2, "dash": dash}, showlegend=first and part != "along",
+                name="rendered" if part == "normal" else "rendered, across the push",
+                hovertemplate="%{x:.2f} mm: %{y:.4f} N<extra>rendered, " + part + "</extra>",
+            )  # fmt: skip
+            figure.add_scatter(
+                x=depth, y=row["curves"]["fem"][part], row=line, col=column, mode="markers",
+                marker={"color": FEM, "size": 6, "symbol": "circle-open" if part != "across" else "x-thin",
+                        "line": {"width": 1.5, "color": FEM}},
+                name="finite elements" if part == "normal" else "finite elements, across",
+                showlegend=first and part != "along",
+                hovertemplate="%{x:.2f} mm: %{y:.4f} N<extra>finite elements, " + part + "</extra>",
+            )  # fmt: skip
+    figure.update_xaxes(title_text="depth, mm", row=2)
+    figure.update_yaxes(title_text="normal, N", row=1, col=1)
+    figure.update_yaxes(title_text="lateral, N", row=2, col=1)
+    figure.update_layout(legend={"orientation": "h", "y": -0.16, "x": 0})
+    return _dressed(figure, 480)
+
+
+def residual_figure(tool: dict[str, Any]) -> go.Figure | None:
+    """Fit residual of every node, largest first."""
+    rows = sorted((r for r in tool["nodes"]["rows"] if r["residual"] is not None), key=lambda r: -r["residual"])
+    if not rows:
+        return None
+    figure = go.Figure()
+    symbols = {"pressed": "circle", "extrapolated": "diamond-open", "derived": "square-open"}
+    for kind, symbol in symbols.items():
+        chosen = [(rank, row) for rank, row in enumerate(rows, 1) if row["kind"] == kind]
+        if chosen:
+            figure.add_scatter(
+                x=[rank for rank, _ in chosen], y=[100 * row["residual"] for _, row in chosen], mode="markers",
+                name=kind, marker={"symbol": symbol, "size": 7, "color": RENDERED if kind == "pressed" else MARK},
+                text=[", ".join(f"{1e3 * x:.1f}" for x in row["position"]) for _, row in chosen],
+                hovertemplate="%{y:.2g} % at (%{text}) mm<extra>" + kind + "</extra>",
+            )  # fmt: skip
+    figure.update_xaxes(title_text="nodes, by residual", rangemode="tozero")
+    figure.update_yaxes(title_text="residual, % of deepest force", rangemode="tozero")
+    figure.update_layout(showlegend=len(figure.data) > 1)  # type: ignore
+    return _dressed(figure, 280)
+
+
+def _dressed(figure: go.Figure, height: int) -> go.Figure:
+    figure.update_layout(
+        template="plotly_white",
+        height=height,
+        margin={"l": 56, "r": 16, "t": 36, "b": 48},
+        font={"family": "system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif", "size": 12, "color": INK},
+        hoverlabel={"font": {"size": 12}},
+        bargap=0,
+    )
+    figure.update_annotations(font_size=12)
+    figure.update_xaxes(zeroline=False, showline=True, linecolor="#c9c9c4", gridcolor="#eeeeea", title_standoff=8)
+    figure.update_yaxes(zeroline=False, showline=True, linecolor="#c9c9c4", gridcolor="#eeeeea", title_standoff=8)
+    return figure

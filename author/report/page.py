@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page itself: template, style, scripts and figures in one file that loads nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from markupsafe import Markup, escape
+from plotly.offline import get_plotlyjs
+
+from palpate.author.report.numbers import written
+
+__all__ = ["Numbers", "page"]
+
+_HERE = Path(__file__).parent
+
+
+def page(report: dict[str, Any], figures: list[dict[str, Any]]) -> str:
+    """The page as text.  `report`: JSON-clean, as in report.json; `figures`: one dict per tool."""
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(_HERE),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("template.html").render(
+        report=report,
+        value=Numbers(report),
+        style=Markup((_HERE / "style.css").read_text(encoding="utf-8")),
+        script=Markup((_HERE / "view.js").read_text(encoding="utf-8")),
+        plotly=Markup(get_plotlyjs()),
+        figures=[{name: _script_json(figure) for name, figure in one.items()} for one in figures],
+    )
+
+
+class Numbers:
+    """Writes values of the report by their path in report.json, which the page keeps beside each of them."""
+
+    def __init__(self, report: dict[str, Any]) -> None:
+        self._report = report
+
+    def __call__(self, path: str, kind: str = "text") -> Markup:
+        """`path`: keys and indices joined by "/"; what is absent on the way is written as absent."""
+        found: Any = self._report
+        for key in path.split("/"):
+            if isinstance(found, list):
+                found = found[int(key)]
+            else:
+                found = None if found is None else found.get(key)
+        return Markup('<span data-path="{}" data-kind="{}">{}</span>').format(
+            path, kind, escape(written(found, kind))
+        )
+
+
+def _script_json(value: Any) -> Markup | None:
+    """JSON that may stand inside a script element."""
+    if value is None:
+        return None
+    text = value if isinstance(value, str) else json.dumps(value, allow_nan=False)
+    return Markup(text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))

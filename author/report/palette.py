@@ -1,0 +1,28 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Colours of the report, safe for colour-blind eyes: Okabe and Ito (2008) for kinds, viridis and magma for amounts."""
+
+from __future__ import annotations
+
+__all__ = ["ERRORS", "ERROR_KINDS", "FEM", "INK", "MARK", "NODE", "ORGAN", "QUIET", "REACH", "RENDERED", "VALUES"]
+
+INK = "#22252a"
+QUIET = "#9a9a94"
+FEM = "#22252a"
+RENDERED = "#0072b2"
+MARK = "#b04a00"
+NODE = "#22252a"
+ORGAN = "#d8cfc4"
+REACH = "#e9dcc3"
+
+VALUES = "viridis"
+"""Colour scale of what the field says."""
+ERRORS = "magma_r"
+"""Colour scale of errors: pale where small, dark where large."""
+
+ERROR_KINDS = {
+    "force_error": ("normal force", RENDERED, "solid"),
+    "lateral_error": ("lateral push", "#009e73", "dash"),
+    "stuck_error": ("after a sticking move", "#cc79a7", "dashdot"),
+}
+"""Name, colour and dash of each kind of held-out error."""

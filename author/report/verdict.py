@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict in plain words: what was asked, what was reached, at how many points, and why it falls short."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from palpate.author.report.numbers import percent
+
+__all__ = ["JUST_NOTICEABLE", "overall", "verdict"]
+
+JUST_NOTICEABLE = 0.07
+"""Smallest relative difference of force that people notice (measured at 2.5 to 10 N; larger for smaller forces)."""
+
+STATES = ("met", "missed", "unjudged")
+
+
+def verdict(name: str, validation: dict[str, Any] | None, points: int, converged: int) -> dict[str, str]:
+    """State (one of STATES) and sentence for one tool.
+
+    Args:
+        validation: content of validation/<tool>.json, or None.
+        points: held-out points asked for.
+        converged: those whose finite-element press converged.
+    """
+    if validation is None:
+        return {"state": "unjudged", "sentence": f"{name}: no held-out press has been compared with this field."}
+    error, tolerance = validation.get("force_error"), validation["tolerance"]
+    if error is None:
+        return {
+            "state": "unjudged",
+            "sentence": f"{name}: none of {_places(points)} gave a force that could be compared.",
+        }
+    fidelity = validation.get("fidelity") or "the"
+    reached = (
+        f"{name}: asked, that the rendered force be within {percent(tolerance)} of {fidelity} finite elements for "
+        f"95 % of the held-out states; reached, {percent(error['p95'])} (half of them within "
+        f"{percent(error['p50'])}, the worst {percent(error['max'])}), at {_places(converged)}"
+        + (f" of {points}" if converged != points else "")
+    )
+    if validation["met"]:
+        return {"state": "met", "sentence": f"{reached}. The tolerance is met."}
+    why = "; ".join(_shortfalls(validation)) or "validation says so"
+    return {"state": "missed", "sentence": f"{reached}. The tolerance is not met: {why}."}
+
+
+def overall(verdicts: list[dict[str, str]]) -> str:
+    """One of STATES for the whole asset: the worst of its tools'."""
+    found = {one["state"] for one in verdicts}
+    return "missed" if "missed" in found else "unjudged" if "unjudged" in found or not found else "met"
+
+
+def _shortfalls(validation: dict[str, Any]) -> list[str]:
+    error, tolerance = validation["force_error"], validation["tolerance"]
+    out = []
+    if error["p95"] > tolerance:
+        out.append(f"the 95th percentile, {percent(error['p95'])}, is above {percent(tolerance)}")
+    if error["max"] > 2.0 * tolerance:
+        out.append(f"the worst, {percent(error['max'])}, is above twice the tolerance, {percent(2 * tolerance)}")
+    failed = validation.get("failed", 0)
+    if failed:
+        out.append(f"{failed} held-out press{'es' if failed > 1 else ''} did not converge to full depth")
+    return out
+
+
+def _places(count: int) -> str:
+    return f"{count} held-out point{'' if count == 1 else 's'}"

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where the surface is pressed: well-spread nodes, and held-out points that never become nodes.
+
+Candidates cover the reachable surface evenly.  Nodes are chosen by farthest points (Gonzalez 1985), which reach the
+reach's border by themselves; held-out points are drawn by seed from all of it.  Places that no press could vouch for (held by a support, a crease that the tool's reference point sees
+from two sides, tissue thinner than 2.5 depths) are left out and counted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from palpate.author.organ_stage import OrganMesh
+from palpate.author.scene_tables import Reach
+
+__all__ = ["ReachSamples", "farthest_points", "held_out_points", "reach_samples"]
+
+THICKNESS_SHARE = 0.4
+"""Deepest press over local thickness: beyond it a press feels the other side, and is refused."""
+CREASE_TOLERANCE = 0.05
+"""Allowed |phi - rho| / rho at the tool's reference point before contact."""
+
+
+@dataclass(frozen=True)
+class ReachSamples:
+    """Points on the smooth surface that a tool may press.
+
+    Attributes:
+        points: (n, 3) m.  normals: (n, 3).  spacing: m, between neighbours.
+        allowed: (n,) bool; False where no press can vouch for itself.
+        left_out: reason -> count.
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    spacing: float
+    allowed: np.ndarray
+    left_out: dict[str, int]
+
+    def beyond(self, mesh: OrganMesh):
+        """Membership for the field: (n, 3) m -> (n,) m, <= 0 within reach, metres beyond elsewhere."""
+        tree = cKDTree(self.points)
+
+        def distance(points: np.ndarray) -> np.ndarray:
+            foot, _ = mesh.distance.project(points)
+            return tree.query(foot)[0] - self.spacing
+
+        return distance
+
+
+def reach_samples(
+    mesh: OrganMesh, reach: Reach, offset: float, depth_max: float, spacing: float = 1.0e-3
+) -> ReachSamples:
+    """Cover the reachable surface.
+
+    Args:
+        offset: rho of the tool, m.
+        depth_max: m.
+        spacing: m, about; coarser on large reaches so that there are at most some 60,000 points.
+    """
+    corners = mesh.vertices[mesh.triangles]
+    area = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1).max()
+    near = reach.contains(mesh.vertices)[mesh.triangles].any(axis=1)
+    centre_near = reach.contains(corners.mean(axis=1))
+    chosen = np.flatnonzero(near | centre_near)
+    if len(chosen) == 0:  # a reach smaller than a triangle
+        chosen = np.flatnonzero(area > 0)
+    total = float(area[chosen].sum())
+    spacing = max(min(spacing, longest), np.sqrt(total / 60_000))
+    points = _spread_over(corners[chosen], area[chosen], spacing)
+    points, normals = mesh.distance.project(points)
+    keep = reach.contains(points) & ~mesh.held(points)
+    points, normals = points[keep], normals[keep]
+    reasons = {}
+    q = points + offset * normals
+    crease = (
+        np.abs(mesh.distance(q) - offset) > CREASE_TOLERANCE * offset if offset else np.zeros(len(q), bool)
+    )
+    thin = _thickness_below(mesh, points, normals, depth_max / THICKNESS_SHARE)
+    reasons["crease that the tool sees from two sides"] = int(crease.sum())
+    reasons[f"thinner than {1e3 * depth_max / THICKNESS_SHARE:.1f} mm"] = int((thin & ~crease).sum())
+    return ReachSamples(points, normals, spacing, ~(crease | thin), {k: v for k, v in reasons.items() if v})
+
+
+def _spread_over(corners: np.ndarray, area: np.ndarray, spacing: float) -> np.ndarray:
+    """Points in triangles (F, 3, 3), about one for each spacing^2, from a low-discrepancy sequence (R2)."""
+    count = np.maximum(1, np.round(area / spacing**2)).astype(int)
+    triangle = np.repeat(np.arange(len(corners)), count)
+    k = np.arange(len(triangle))
+    a = (0.5 + 0.7548776662466927 * k) % 1.0
+    b = (0.5 + 0.5698402909980532 * k) % 1.0
+    flip = a + b > 1.0
+    a, b = np.where(flip, 1.0 - a, a), np.where(flip, 1.0 - b, b)
+    x = corners[triangle]
+    return x[:, 0] + a[:, None] * (x[:, 1] - x[:, 0]) + b[:, None] * (x[:, 2] - x[:, 0])
+
+
+def _thickness_below(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, limit: float) -> np.ndarray:
+    """Whether the straight way in, along -normal, leaves the tissue within `limit`."""
+    steps = np.linspace(0.15, 1.0, 8) * limit
+    inward = points[:, None] - steps[None, :, None] * normals[:, None]
+    return (mesh.distance(inward.reshape(-1, 3)).reshape(len(points), -1) > 0.0).any(axis=1)
+
+
+def farthest_points(samples: ReachSamples, count: int) -> np.ndarray:
+    """(count,) indices of allowed samples, well spread; deterministic, each prefix well spread too."""
+    allowed = np.flatnonzero(samples.allowed)
+    points = samples.points[allowed]
+    chosen = [int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
+    distance = np.linalg.norm(points - points[chosen[0]], axis=1)
+    while len(chosen) < min(count, len(points)):
+        chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    return allowed[np.array(chosen)]
+
+
+def held_out_points(samples: ReachSamples, count: int, seed: int) -> np.ndarray:
+    """(count,) indices of allowed samples drawn by seed, without repetition."""
+    allowed = np.flatnonzero(samples.allowed)
+    generator = np.random.default_rng(seed)
+    return generator.permutation(allowed)[: min(count, len(allowed))]

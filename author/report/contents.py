@@ -32,7 +32,9 @@ def contents(sources: Sources, maps: list[ReachMap]) -> dict[str, Any]:
     for tool, reach in zip(tools, maps, strict=True):
         if reach.unstored_share > 0.002:
             share = f"{100 * reach.unstored_share:.1f}"
-            notes.append(f"{tool['name']}: {share} % of the reach's area has no stored field and is drawn plain.")
+            notes.append(
+                f"{tool['name']}: {share} % of the reach's area has no stored field and is drawn plain."
+            )
     return {
         "format": 1,
         "organ": sources.organ.name,
@@ -56,7 +58,16 @@ def contents(sources: Sources, maps: list[ReachMap]) -> dict[str, Any]:
     }
 
 
-_SHOWN_ELSEWHERE = {"asset", "tools", "seconds", "cpu_seconds", "stages", "failures", "bench", "tolerance_met"}
+_SHOWN_ELSEWHERE = {
+    "asset",
+    "tools",
+    "seconds",
+    "cpu_seconds",
+    "stages",
+    "failures",
+    "bench",
+    "tolerance_met",
+}
 
 
 def _tool(

@@ -127,7 +127,9 @@ def worst_figure(tool: dict[str, Any]) -> go.Figure | None:
 
 def residual_figure(tool: dict[str, Any]) -> go.Figure | None:
     """Fit residual of every node, largest first."""
-    rows = sorted((r for r in tool["nodes"]["rows"] if r["residual"] is not None), key=lambda r: -r["residual"])
+    rows = sorted(
+        (r for r in tool["nodes"]["rows"] if r["residual"] is not None), key=lambda r: -r["residual"]
+    )
     if not rows:
         return None
     figure = go.Figure()
@@ -157,6 +159,10 @@ def _dressed(figure: go.Figure, height: int) -> go.Figure:
         bargap=0,
     )
     figure.update_annotations(font_size=12)
-    figure.update_xaxes(zeroline=False, showline=True, linecolor="#c9c9c4", gridcolor="#eeeeea", title_standoff=8)
-    figure.update_yaxes(zeroline=False, showline=True, linecolor="#c9c9c4", gridcolor="#eeeeea", title_standoff=8)
+    figure.update_xaxes(
+        zeroline=False, showline=True, linecolor="#c9c9c4", gridcolor="#eeeeea", title_standoff=8
+    )
+    figure.update_yaxes(
+        zeroline=False, showline=True, linecolor="#c9c9c4", gridcolor="#eeeeea", title_standoff=8
+    )
     return figure

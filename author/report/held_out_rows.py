@@ -60,7 +60,11 @@ def _row(number: int, press: dict[str, Any]) -> dict[str, Any]:
     along = _push_direction(fem, n)
     across = np.cross(n, along)
     curves = {
-        name: {"normal": (force @ n).tolist(), "along": (force @ along).tolist(), "across": (force @ across).tolist()}
+        name: {
+            "normal": (force @ n).tolist(),
+            "along": (force @ along).tolist(),
+            "across": (force @ across).tolist(),
+        }
         for name, force in (("fem", fem), ("rendered", said))
     }
     moves = press.get("moves") or []

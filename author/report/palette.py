@@ -4,7 +4,19 @@
 
 from __future__ import annotations
 
-__all__ = ["ERRORS", "ERROR_KINDS", "FEM", "INK", "MARK", "NODE", "ORGAN", "QUIET", "REACH", "RENDERED", "VALUES"]
+__all__ = [
+    "ERRORS",
+    "ERROR_KINDS",
+    "FEM",
+    "INK",
+    "MARK",
+    "NODE",
+    "ORGAN",
+    "QUIET",
+    "REACH",
+    "RENDERED",
+    "VALUES",
+]
 
 INK = "#22252a"
 QUIET = "#9a9a94"

@@ -50,7 +50,9 @@ def pictures(
     for old in folder.glob("*.png"):
         old.unlink()
     for index, (field, reach, tool) in enumerate(zip(sources.fields, maps, report["tools"], strict=True)):
-        files = [folder / (name if index == 0 else name.replace(".png", f"_{tool['name']}.png")) for name in NAMES]
+        files = [
+            folder / (name if index == 0 else name.replace(".png", f"_{tool['name']}.png")) for name in NAMES
+        ]
         try:
             images = _rendered(reach, tool, field.nodes.position)
         except RenderFailure as failure:
@@ -62,7 +64,9 @@ def pictures(
             made += _composed(files, images, reach, tool)
         if tool["worst"]:
             _worst_curves(files[3], tool)
-            made.append({"file": files[3].name, "caption": f"{tool['name']}: curves of the worst held-out points"})
+            made.append(
+                {"file": files[3].name, "caption": f"{tool['name']}: curves of the worst held-out points"}
+            )
     return made, notes
 
 
@@ -171,7 +175,9 @@ def _worst_curves(path: Path, tool: dict[str, Any]) -> None:
             (below, "along", "-", "o", ", along the push"),
             (below, "across", ":", "x", ", across it"),
         ):
-            axes.plot(depth, row["curves"]["rendered"][part], line, color=RENDERED, lw=1.6, label="rendered" + word)
+            axes.plot(
+                depth, row["curves"]["rendered"][part], line, color=RENDERED, lw=1.6, label="rendered" + word
+            )
             axes.plot(
                 depth, row["curves"]["fem"][part], marker, color=FEM, mfc="none", ms=4.5, mew=1.1,
                 label="finite elements" + word,
@@ -185,5 +191,7 @@ def _worst_curves(path: Path, tool: dict[str, Any]) -> None:
     grid[0, 0].legend(fontsize=8, frameon=False)
     handles, names = grid[1, 0].get_legend_handles_labels()
     figure.legend(handles, names, fontsize=8, frameon=False, loc="outside lower center", ncols=4)
-    figure.suptitle(f"{tool['name']}: the worst held-out points, by normal-force error", fontsize=11, color=INK)
+    figure.suptitle(
+        f"{tool['name']}: the worst held-out points, by normal-force error", fontsize=11, color=INK
+    )
     figure.savefig(path)

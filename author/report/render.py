@@ -95,8 +95,14 @@ def _draw(view: View) -> Image:
     plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW), lighting="none")
     plotter.set_background("white")
     eye, (right, top) = view.eye, _axes(view)
-    for direction, strength in ((eye + 0.5 * top - 0.4 * right, 0.62), (eye - 0.6 * right, 0.28), (top, 0.18)):
-        plotter.add_light(pyvista.Light(position=tuple(direction), light_type="scene light", intensity=strength))
+    for direction, strength in (
+        (eye + 0.5 * top - 0.4 * right, 0.62),
+        (eye - 0.6 * right, 0.28),
+        (top, 0.18),
+    ):
+        plotter.add_light(
+            pyvista.Light(position=tuple(direction), light_type="scene light", intensity=strength)
+        )
     for mesh in view.meshes:
         if not len(mesh.triangles):
             continue
@@ -149,7 +155,9 @@ def _seen(view: View, balls: Balls, middle: np.ndarray, per_metre: float) -> tup
     flat = (points - middle) @ frame
     places = np.array(WINDOW) / 2 + flat[:, :2] * (per_metre, -per_metre)
     seen = np.all((places >= 0) & (places < WINDOW), axis=1)
-    corners = [(mesh.vertices[mesh.triangles] - middle) @ frame for mesh in view.meshes if len(mesh.triangles)]
+    corners = [
+        (mesh.vertices[mesh.triangles] - middle) @ frame for mesh in view.meshes if len(mesh.triangles)
+    ]
     a, b, c = np.moveaxis(np.concatenate(corners), 1, 0)
     normal = np.cross(b - a, c - a)
     for k, p in enumerate(flat + [0.0, 0.0, balls.radius]):

@@ -25,7 +25,10 @@ def verdict(name: str, validation: dict[str, Any] | None, points: int, converged
         converged: those whose finite-element press converged.
     """
     if validation is None:
-        return {"state": "unjudged", "sentence": f"{name}: no held-out press has been compared with this field."}
+        return {
+            "state": "unjudged",
+            "sentence": f"{name}: no held-out press has been compared with this field.",
+        }
     error, tolerance = validation.get("force_error"), validation["tolerance"]
     if error is None:
         return {
@@ -57,7 +60,9 @@ def _shortfalls(validation: dict[str, Any]) -> list[str]:
     if error["p95"] > tolerance:
         out.append(f"the 95th percentile, {percent(error['p95'])}, is above {percent(tolerance)}")
     if error["max"] > 2.0 * tolerance:
-        out.append(f"the worst, {percent(error['max'])}, is above twice the tolerance, {percent(2 * tolerance)}")
+        out.append(
+            f"the worst, {percent(error['max'])}, is above twice the tolerance, {percent(2 * tolerance)}"
+        )
     failed = validation.get("failed", 0)
     if failed:
         out.append(f"{failed} held-out press{'es' if failed > 1 else ''} did not converge to full depth")

@@ -26,6 +26,7 @@ constexpr double amplitude_limit = 1e6;        // dimensionless
 constexpr std::uint32_t edge_limit = 4096;     // blocks along an axis
 constexpr std::uint64_t block_limit = 1u << 24;  // blocks in a box, and stored
 constexpr std::uint32_t interval_limit = 65536;
+constexpr long file_size_limit = 0x7FFFFFFF;     // bytes; a folder claims more on Linux
 // Jump of a curve between intervals, as a fraction of its largest value, slope or (friction) value; rounding of a fit.
 constexpr double joint_tolerance = 1e-9;
 
@@ -394,7 +395,7 @@ palpate_status palpate_field_open_file(const char* path, palpate_field** field, 
     void* owned = nullptr;
     unsigned char* data = nullptr;
     palpate_status status = PALPATE_FILE_UNREADABLE;
-    if (size >= 0 && std::fseek(file, 0, SEEK_SET) == 0) {
+    if (size >= 0 && size <= file_size_limit && std::fseek(file, 0, SEEK_SET) == 0) {
         data = aligned_buffer(static_cast<std::size_t>(size), &owned);
         if (data == nullptr) {
             status = PALPATE_OUT_OF_MEMORY;

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <cmath>
+#include <random>
+
+#include "test_field.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}
+
+#if defined(PALPATE_COUNT_ALLOCATIONS)
+extern "C" {
+void* __real_malloc(std::size_t size);
+void* __real_calloc(std::size_t count, std::size_t size);
+void* __real_realloc(void* memory, std::size_t size);
+void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
+void* __wrap_malloc(std::size_t size) { return ++allocations, __real_malloc(size); }
+void* __wrap_calloc(std::size_t count, std::size_t size) { return ++allocations, __real_calloc(count, size); }
+void* __wrap_realloc(void* memory, std::size_t size) { return ++allocations, __real_realloc(memory, size); }
+void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) { return ++allocations, __real_aligned_alloc(alignment, size); }
+}
+void* operator new(std::size_t size) {
+    ++allocations;
+    void* memory = std::malloc(size);
+    if (memory == nullptr) std::abort();
+    return memory;
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#endif
+
+namespace {
+
+// A walk through everything: free, contact, slip, deep, unreached, jumps, bad numbers.
+point adventurous(std::mt19937_64& random, point p) {
+    std::normal_distribution<double> normal;
+    const auto dice = random() % 1000;
+    const double scale = dice < 900 ? 5e-5 : dice < 990 ? 1e-3 : 2e-2;
+    for (double& x : p) x = std::fmod(x + scale * normal(random), 25e-3);
+    if (dice == 999) p[dice % 3] = std::nan("");
+    return p;
+}
+
+TEST(tick, a_million_ticks_allocate_nothing) {
+    const opened_field plane("plane");
+    const session_memory memory(plane.field, 10.0);
+    std::mt19937_64 random(1);
+    point p{0, 0, 8e-3};
+    std::uint32_t seen = 0, regions = 0;
+#if defined(PALPATE_COUNT_ALLOCATIONS)
+    const long at_first = allocations;
+    EXPECT_GT(at_first, 0) << "the counter does not count";
+#endif
+    for (int i = 0; i < 1000000; ++i) {
+        p = adventurous(random, std::isfinite(p[0] + p[1] + p[2]) ? p : point{0, 0, 8e-3});
+        const palpate_tool_response r = memory.tick(p);
+        seen |= r.status;
+        regions |= 1u << r.region;
+    }
+#if defined(PALPATE_COUNT_ALLOCATIONS)
+    EXPECT_EQ(allocations, at_first);
+#endif
+    const std::uint32_t wanted = PALPATE_TICK_EXTRAPOLATED | PALPATE_TICK_SLIPPING | PALPATE_TICK_UNREACHED | PALPATE_TICK_TOO_DEEP |
+                                 PALPATE_TICK_PASSED_THROUGH | PALPATE_TICK_WAITING | PALPATE_TICK_JUMP | PALPATE_TICK_BAD_INPUT;
+    EXPECT_EQ(seen & wanted, wanted) << "the walk did not meet everything";
+    EXPECT_EQ(regions, 0x3Fu);
+}
+
+TEST(tick, accounts_balance_and_dissipation_never_falls_on_any_walk) {
+    for (const char* name : {"plane", "sphere", "slab"}) {
+        const opened_field opened(name);
+        for (double friction : {-1.0, 0.0, 0.3, 5.0}) {
+            const session_memory memory(opened.field, 0.0, friction);
+            std::mt19937_64 random(2);
+            point p{0, 0, name[1] == 'p' ? 38e-3 : 9e-3}, before = p;
+            palpate_tool_response last{};
+            double work = 0.0;
+            bool known = false;
+            for (int i = 0; i < 50000; ++i) {
+                p = adventurous(random, std::isfinite(p[0] + p[1] + p[2]) ? p : point{0, 0, 9e-3});
+                const bool usable = std::isfinite(p[0] + p[1] + p[2]);
+                const palpate_tool_response r = memory.tick(p);
+                if (usable && known) {
+                    for (std::size_t a = 0; a < 3; ++a) work -= last.force[a] * (p[a] - before[a]);
+                }
+                known = usable;
+                before = p;
+                ASSERT_NEAR(r.work_in, work, 1e-10);
+                ASSERT_NEAR(r.work_in + r.hold_leak, r.stored_energy + r.dissipated_friction + r.dissipated_rule, 1e-10);
+                ASSERT_GE(r.dissipated_friction, last.dissipated_friction - 1e-16);
+                ASSERT_GE(r.dissipated_rule, last.dissipated_rule);
+                ASSERT_GE(r.spring_energy, 0.0);
+                last = r;
+            }
+            EXPECT_GT(last.dissipated_rule, 0.0);
+        }
+    }
+}
+
+TEST(tick, zero_force_bits_mean_zero_force) {
+    const opened_field sphere("sphere");
+    const session_memory memory(sphere.field, 10.0);
+    std::mt19937_64 random(3);
+    point p{0, 0, 36e-3};
+    const std::uint32_t felt = PALPATE_TICK_EXTRAPOLATED | PALPATE_TICK_SLIPPING;
+    for (int i = 0; i < 200000; ++i) {
+        p = adventurous(random, std::isfinite(p[0] + p[1] + p[2]) ? p : point{0, 0, 36e-3});
+        const palpate_tool_response r = memory.tick(p);
+        const bool zero = r.force[0] == 0.0 && r.force[1] == 0.0 && r.force[2] == 0.0 && r.torque[0] == 0.0;
+        if ((r.status & ~felt) != 0) {
+            EXPECT_TRUE(zero) << r.status;
+        }
+        EXPECT_STRNE(palpate_tick_text(r.status), palpate_tick_text(1u << 31));
+    }
+}
+
+TEST(tick, friction_lets_the_tool_turn_around_the_organ_without_losing_its_grip) {
+    // A stuck ball carried along a parallel circle by less than the slip limit comes back with the energy of its work.
+    const opened_field sphere("sphere");
+    const session_memory memory(sphere.field, 0.0, 1e3);  // never slips
+    memory.tick({-20e-3, 0, 40e-3});
+    const double r = 32e-3;
+    palpate_tool_response out{};
+    for (int i = 0; i <= 2000; ++i) {
+        const double a = 0.1 * std::sin(6.283185307179586 * i / 2000.0);
+        out = memory.tick({-r * std::cos(0.8), r * std::sin(a) * std::sin(0.8), r * std::cos(a) * std::sin(0.8)});
+    }
+    EXPECT_EQ(out.status & PALPATE_TICK_SLIPPING, 0u);
+    double s2 = 0.0;
+    for (int a = 0; a < 3; ++a) s2 += (out.reference_point[a] - out.anchor[a]) * (out.reference_point[a] - out.anchor[a]);
+    EXPECT_LT(std::sqrt(s2), 2e-5);  // out and back on the same arc of 3 mm: the stretch returns to nearly nothing
+    EXPECT_GT(out.normal_force, 0.0);
+}
+
+}  // namespace

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from scipy import ndimage
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from palpate.fields.contact_geometry import ScalarField, known_cells
 from palpate.fields.interpolation import evaluate
@@ -37,6 +37,8 @@ __all__ = ["build_field"]
 
 INTERVALS = 32
 """Uniform intervals of the shared curves (count); the first ends at 0.5 % of a Hertz contact's deepest force."""
+LEAST_MARGIN = 3.75
+"""Least margin, in amplitude spacings: 1.5 to leave the reach alone, 2.125 for a coefficient's support, the rest slack."""
 NODE_WEIGHT = 4.0
 """Weight of a sample at a node's own press against one between nodes."""
 SMOOTHING, HOLD = 1e-3, 1e-6
@@ -65,8 +67,8 @@ def build_field(
         reach: (n, 3) -> (n,) m; <= 0 where the scene lets the tool touch, metres beyond elsewhere.
         amplitude_spacing: m, of the amplitude lattice.
         rank: shared energy curves (count).
-        margin: m beyond the reach within which the field ends; the geometry must cover it.  From 3.75 amplitude
-            spacings on, the reach does not notice; below 2.5 it is refused.
+        margin: m beyond the reach within which the field ends; the geometry must cover it.  Below 3.75 amplitude
+            spacings the end would be felt within the reach, so that is refused.
         normal_length: L of the embedding, m (kriging.py).
         with_gradients: krige with B; without it only for comparison, it costs twice the presses.
         provenance: copied to the field.
@@ -78,9 +80,10 @@ def build_field(
         ValueError: energy or force of a node is not positive at a depth knot above 0, nothing is in reach, or the
             margin is too small.
     """
-    if margin < 2.5 * amplitude_spacing:
+    if margin < LEAST_MARGIN * amplitude_spacing:
         raise ValueError(
-            f"response field: margin {margin} m: at least 2.5 times {amplitude_spacing} m needed"
+            f"response field: margin {margin} m: at least {LEAST_MARGIN} amplitude spacings of "
+            f"{amplitude_spacing} m needed"
         )
     sites = SiteCurves.from_nodes(nodes, geometry, tool.offset, normal_length, with_gradients=with_gradients)
     q, surface, normal, cells, beyond = band_samples(geometry, tool.offset, reach, amplitude_spacing, margin)
@@ -190,7 +193,7 @@ def amplitude_lattice(
     fit = LatticeFit(origin, spacing, wanted)
     coefficients = fit.solve(q, targets, weight, smoothing=SMOOTHING, hold=HOLD)
     centre = origin + (fit.index - 0.5) * spacing  # coefficient j's B-spline is centred in cell j - 1
-    _, nearest = cKDTree(cells).query(centre)
+    _, nearest = KDTree(cells).query(centre)
     kept = np.clip((margin / spacing - 2.125 - beyond[nearest] / spacing) / 0.125, 0.0, 1.0)
     dense = np.zeros((*wanted.shape, targets.shape[1]))
     dense[tuple(fit.index.T)] = coefficients * kept[:, None]

@@ -6,12 +6,13 @@ State: stretch s = tangential part of p - c (p tool reference, c anchor) and the
 Stored energy E = U(p) + 1/2 k |s|^2.  One tick, from p to p + dp (Hayward and Armstrong, A new computational model
 of friction applied to haptic rendering, 2000, eq. 3 for the yield):
 
-1. the force sent was f = -grad U - k s; the hand moved p by dp against it, at fixed k and c:  s <- P (s + dp),
-   P = I - n n^T at the new place (projection only shortens s);
+1. the force sent was f = -grad U - k s; the hand moves p by dp against it, at fixed k and c:  s <- s + P dp,
+   P = I - n n^T at the old place; then s turns with the normal, n -> n', by the smallest rotation,
+   s <- s - (s . n') / (1 + n . n') (n + n'), which keeps |s|;
 2. k follows the field: where it rises, s shrinks so that k s stays; where it falls, s stays;
 3. slip: where |k s| > mu f_n, s shrinks to |k s| = mu f_n.
 
-2, 3 and the projection never raise E, so what the hand did not put in is at most the zero-order hold's
+The rotation, 2 and 3 never raise E, so what the hand did not put in is at most the zero-order hold's
 1/2 sigma |dp|^2 (energy.py recomputes this).  First contact starts from k = 0, hence s = 0.
 """
 
@@ -56,17 +57,21 @@ def follow(field: ResponseField, positions: np.ndarray) -> FrictionPath:
     count = len(positions)
     stretch, stiffness = np.zeros((count, 3)), np.zeros(count)
     slipping = np.zeros(count, dtype=bool)
-    s, k = np.zeros(3), 0.0
+    s, k, touching = np.zeros(3), 0.0, False
     for i in range(count):
-        target = response.friction_stiffness[i]
-        if target <= 0.0:
-            s, k = np.zeros(3), 0.0
+        target, n = response.friction_stiffness[i], normal[i]
+        if not response.depth[i] > 0.0:
+            s, k, touching = np.zeros(3), 0.0, False
             continue
-        if i > 0:
-            s = s + positions[i] - positions[i - 1]
-        s = s - (s @ normal[i]) * normal[i]
+        if touching:
+            before, dp = normal[i - 1], positions[i] - positions[i - 1]
+            s = s + dp - (dp @ before) * before
+            s = s - (s @ n) / (1.0 + before @ n) * (before + n)
+        touching = True
         if target > k:
             s = s * (k / target)
+        elif target == 0.0:
+            s = np.zeros(3)
         k = target
         pull = k * np.linalg.norm(s)
         if pull > limit[i]:

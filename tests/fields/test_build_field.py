@@ -193,3 +193,8 @@ def test_one_node_and_no_friction_still_make_a_field():
     c = field.nodes.position[0]
     said = evaluate(field, (c + 1e-3 * field.nodes.normal[0])[None])
     assert said.normal_force[0] > 0 and said.friction_coefficient[0] == 0.0
+
+
+def test_a_margin_that_would_be_felt_within_the_reach_is_refused():
+    with pytest.raises(ValueError, match=r"at least 3\.75 amplitude spacings"):
+        build_field(nodes_of(ORGAN, 12, 0.005, 2), geometry_of(ORGAN), TOOL, ORGAN.reach, margin=12e-3)

@@ -162,7 +162,7 @@ def hessian(
             for c in range(r, 30):
                 at = entry[e, r * 30 + c]
                 if at >= 0:
-                    values[at] = values[at] + K[r, c]
+                    wp.atomic_add(values, at, K[r, c])
 
 
 @dataclass(frozen=True)

@@ -78,9 +78,14 @@ class NeoHookean:
         return mu, kappa_full, kappa - kappa_full
 
 
+# A quotient of literals inside a Warp function would be taken in float32.
+TWO_THIRDS = wp.constant(wp.float64(2.0 / 3.0))
+TWO_NINTHS = wp.constant(wp.float64(2.0 / 9.0))
+
+
 @wp.func
-def inverse_transpose(F: wp.mat33d, J: wp.float64) -> wp.mat33d:
-    """F^-T = cof F / J."""
+def inverse_transpose(F: wp.mat33d) -> wp.mat33d:
+    """F^-T."""
     return wp.transpose(wp.inverse(F))
 
 
@@ -89,7 +94,7 @@ def isochoric_energy(F: wp.mat33d, mu: wp.float64) -> wp.float64:
     """mu / 2 (J^(-2/3) I1 - 3)."""
     J = wp.determinant(F)
     I1 = wp.ddot(F, F)
-    return wp.float64(0.5) * mu * (I1 * wp.pow(J, wp.float64(-2.0 / 3.0)) - wp.float64(3.0))
+    return wp.float64(0.5) * mu * (I1 * wp.pow(J, -TWO_THIRDS) - wp.float64(3.0))
 
 
 @wp.func
@@ -97,8 +102,8 @@ def isochoric_stress(F: wp.mat33d, mu: wp.float64) -> wp.mat33d:
     """P = mu J^(-2/3) (F - I1/3 F^-T)."""
     J = wp.determinant(F)
     I1 = wp.ddot(F, F)
-    Fit = inverse_transpose(F, J)
-    return (F - Fit * (I1 / wp.float64(3.0))) * (mu * wp.pow(J, wp.float64(-2.0 / 3.0)))
+    Fit = inverse_transpose(F)
+    return (F - Fit * (I1 / wp.float64(3.0))) * (mu * wp.pow(J, -TWO_THIRDS))
 
 
 @wp.func
@@ -106,13 +111,12 @@ def isochoric_tangent(F: wp.mat33d, H: wp.mat33d, mu: wp.float64) -> wp.mat33d:
     """dP[H] = mu J^(-2/3) (H - 2/3 (F:H) F^-T - 2/3 (F^-T:H) F + 2/9 I1 (F^-T:H) F^-T + I1/3 F^-T H^T F^-T)."""
     J = wp.determinant(F)
     I1 = wp.ddot(F, F)
-    Fit = inverse_transpose(F, J)
+    Fit = inverse_transpose(F)
     a = wp.ddot(Fit, H)
     b = wp.ddot(F, H)
-    two_thirds = wp.float64(2.0 / 3.0)
-    dP = H - Fit * (two_thirds * b) - F * (two_thirds * a)
-    dP = dP + Fit * (wp.float64(2.0 / 9.0) * I1 * a) + Fit * wp.transpose(H) * Fit * (I1 / wp.float64(3.0))
-    return dP * (mu * wp.pow(J, wp.float64(-2.0 / 3.0)))
+    dP = H - Fit * (TWO_THIRDS * b) - F * (TWO_THIRDS * a)
+    dP = dP + Fit * (TWO_NINTHS * I1 * a) + Fit * wp.transpose(H) * Fit * (I1 / wp.float64(3.0))
+    return dP * (mu * wp.pow(J, -TWO_THIRDS))
 
 
 @wp.func
@@ -126,14 +130,14 @@ def volumetric_energy(F: wp.mat33d, kappa: wp.float64) -> wp.float64:
 def volumetric_stress(F: wp.mat33d, kappa: wp.float64) -> wp.mat33d:
     """P = kappa (J - 1) J F^-T."""
     J = wp.determinant(F)
-    return inverse_transpose(F, J) * (kappa * (J - wp.float64(1.0)) * J)
+    return inverse_transpose(F) * (kappa * (J - wp.float64(1.0)) * J)
 
 
 @wp.func
 def volumetric_tangent(F: wp.mat33d, H: wp.mat33d, kappa: wp.float64) -> wp.mat33d:
     """dP[H] = kappa (J (2J - 1) (F^-T:H) F^-T - J (J - 1) F^-T H^T F^-T)."""
     J = wp.determinant(F)
-    Fit = inverse_transpose(F, J)
+    Fit = inverse_transpose(F)
     a = wp.ddot(Fit, H)
     one = wp.float64(1.0)
     two = wp.float64(2.0)

@@ -25,6 +25,9 @@ def start_warp() -> None:
     folder = os.environ.get("PALPATE_WARP_CACHE")
     if folder:
         wp.config.kernel_cache_dir = folder
-    wp.config.quiet = True
+    if hasattr(wp, "LOG_ERROR"):
+        wp.config.log_level = wp.LOG_ERROR
+    else:  # older Warp
+        wp.config.quiet = True
     wp.init()
     _started = True

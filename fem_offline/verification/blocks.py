@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Blocks that verification presses: flat on top, bonded below, large or layered on purpose.
+
+How large is large?  A block's faces change the compliance at the contact by about 1 / (E* h) (1.1 / (E* h) at the most,
+for a bonded base at depth h and endless sides; free sides act the other way), against 1 / (2 E* a) of the contact
+itself: force changes by about a / h.  With h = 0.5 m and contacts below 3 mm that is 0.6 % at the most, and grading makes
+so large a block as cheap as a small one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from palpate.fem_offline.block import block
+from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.organ import Organ
+
+__all__ = ["block_organ", "half_space", "two_stiffnesses"]
+
+
+def block_organ(
+    size: tuple[float, float, float],
+    divisions: tuple[int, int, int],
+    material: dict[int, NeoHookean],
+    label: Callable[[np.ndarray], np.ndarray] = lambda middles: np.zeros(len(middles), int),
+    finest: float | None = None,
+) -> Organ:
+    """A block with its top face at z = 0, bonded at its base.
+
+    Args:
+        size: m.  divisions: cells.  finest: m, at the middle of the top face; None: uniform.
+        material: of each label.
+        label: of tetrahedra with these middles (n, 3) m.
+    """
+    mesh = block(size, divisions, finest=finest)
+    middles = mesh.points[mesh.tets].mean(axis=1)
+    text = f"block {size} {divisions} {finest} {material}"
+
+    def held(points: np.ndarray) -> np.ndarray:
+        return points[:, 2] < -size[2] * (1.0 - 1e-9)
+
+    return Organ(mesh.points, mesh.tets, material, label(middles), held, _top, text)
+
+
+def half_space(material: NeoHookean) -> Organ:
+    """A block of 1 m x 1 m x 0.5 m, 4 mm cells under the contact."""
+    return block_organ((1.0, 1.0, 0.5), (20, 20, 10), {0: material}, finest=4e-3)
+
+
+def two_stiffnesses(soft: NeoHookean, stiff: NeoHookean, border: float) -> Organ:
+    """A block of 120 x 120 x 60 mm that is stiff where x > border (m, on a cell face: a multiple of 10 mm)."""
+    return block_organ(
+        (0.12, 0.12, 0.06),
+        (12, 12, 6),
+        {0: soft, 1: stiff},
+        lambda middles: (middles[:, 0] > border).astype(int),
+    )
+
+
+def _top(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Projector to the top plane; only points near it are ever asked for."""
+    on = np.array(points, float)
+    on[:, 2] = 0.0
+    return on, np.tile([0.0, 0.0, 1.0], (len(on), 1))

@@ -38,7 +38,7 @@ __all__ = ["build_field"]
 INTERVALS = 32
 """Uniform intervals of the shared curves (count); the first ends at 0.5 % of a Hertz contact's deepest force."""
 LEAST_MARGIN = 3.75
-"""Least margin, in amplitude spacings: 1.5 to leave the reach alone, 2.125 for a coefficient's support, the rest slack."""
+"""Least margin, in amplitude spacings: 1.5 leave the reach alone, 2.125 are a coefficient's support, some slack."""
 NODE_WEIGHT = 4.0
 """Weight of a sample at a node's own press against one between nodes."""
 SMOOTHING, HOLD = 1e-3, 1e-6

@@ -76,9 +76,9 @@ def test_closed_cycle_from_soft_to_stiff_returns_no_energy(friction):
     drag = np.array([place(v, 0, 1.5e-3) for v in np.linspace(soft_x, stiff_x, 2000)])
     path = np.concatenate(
         [
-            line(place(soft_x, 0, 6e-3), drag[0]),
+            line(place(soft_x, 0, 6e-3), drag[0], ticks=1000),
             drag,
-            line(drag[-1], place(stiff_x, 0, 6e-3), place(soft_x, 0, 6e-3)),
+            line(drag[-1], place(stiff_x, 0, 6e-3), place(soft_x, 0, 6e-3), ticks=1000),
         ]
     )
     told = follow(field, path)
@@ -92,7 +92,7 @@ def test_closed_cycle_from_soft_to_stiff_returns_no_energy(friction):
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.05, 0.3, 1.0]), st.booleans())
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=10, deadline=None)
 def test_random_paths_never_gain_energy(seed, speed, closed):
     """Random walks in and out of contact, in reach and margin, some of them closed."""
     field = field_of(ORGAN, 25)
@@ -121,7 +121,11 @@ def test_the_audit_finds_energy_that_is_created():
     x = np.linspace(-12e-3, 12e-3, 800)
     deep = np.array([place(v, 0, 1e-3) for v in x])
     path = np.concatenate(
-        [line(place(-12e-3, 0, 6e-3), deep[0]), deep, line(deep[-1], place(12e-3, 0, 6e-3))]
+        [
+            line(place(-12e-3, 0, 6e-3), deep[0], ticks=500),
+            deep,
+            line(deep[-1], place(12e-3, 0, 6e-3), ticks=500),
+        ]
     )
     at = evaluate(field, path)
     spring_only = at.normal_force[:, None] * at.normal

@@ -62,6 +62,8 @@ def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
         frame = tangents(normal)
         for k in range(1, len(a["depth"])):
             stiffness = a["sticking_stiffness"][k]
+            if np.isnan(stiffness).any():
+                continue
             s = SMALL_MOVE * frame
             change = -s @ stiffness
             work = -(s @ force[k]) + 0.5 * np.einsum("mi,ij,mj->m", s, stiffness, s)

@@ -51,7 +51,7 @@ def held_out_jobs(
     for point in points:
         angles = generator.uniform(0.0, 2.0 * np.pi, 2)
         last = len(depths) - 1
-        moves = ((last // 2, REACHED, float(angles[0])), (last, REACHED, float(angles[1]))) if friction else ()
+        moves = (((last // 4) * 2 + 1, REACHED, float(angles[0])), (last, REACHED, float(angles[1]))) if friction else ()
         jobs.append(
             PressJob(tuple(map(float, point)), radius, tuple(map(float, depths)), fidelity, moves, friction)
         )

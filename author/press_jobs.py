@@ -151,7 +151,7 @@ def _moves(job: PressJob):
         share, angle = chosen[index]
         direction = np.cos(angle) * frame[0] + np.sin(angle) * frame[1]
         stiffness = float(direction @ state.sticking_stiffness @ direction)
-        if stiffness <= 0.0:
+        if not stiffness > 0.0:
             return None
         return (share * job.friction * float(state.force @ state.normal) / stiffness * direction)[None]
 

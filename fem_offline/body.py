@@ -34,9 +34,7 @@ from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 
 __all__ = ["Body", "FullBody", "NearBody", "patch_space"]
 
-CG_TOLERANCE = 1.0e-3
-"""Reduction of the residual in each Newton step; quadratic convergence below it would be wasted."""
-CG_ITERATIONS_STALE = 18
+CG_ITERATIONS_STALE = 16
 """More iterations than this cost more than a new factor."""
 CG_ITERATIONS_FULL = 80
 
@@ -50,9 +48,9 @@ class Body(Protocol):
 
     def state(self, u: np.ndarray) -> ElementState: ...
 
-    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float) -> None: ...
+    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float, stuck: bool = False) -> None: ...
 
-    def solve(self, b: np.ndarray) -> np.ndarray: ...
+    def solve(self, b: np.ndarray, tolerance: float) -> np.ndarray: ...
 
     def support_force(self, u: np.ndarray, state: ElementState) -> np.ndarray: ...
 
@@ -102,9 +100,10 @@ class NearBody:
         self._far_places = self.pattern.places(r[upper], c[upper])
         self._far_values = far.stiffness[upper]
         self._contact_places = face_places(self.pattern, contact_faces)
-        self._factor = Factor(self.pattern.row_start, self.pattern.column)
+        # Sticking holds the contact in three directions instead of one: a factor of its own stays useful longer.
+        self._factors = {stuck: Factor(self.pattern.row_start, self.pattern.column) for stuck in (False, True)}
+        self._factored: set[bool] = set()
         self._rest_values = self.values(np.zeros_like(self.nodes))
-        self._factorised = False
 
     def state(self, u: np.ndarray) -> ElementState:
         elastic = self.system.state(u)
@@ -119,7 +118,7 @@ class NearBody:
         values[self._far_places] += self._far_values
         return values
 
-    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float) -> None:
+    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float, stuck: bool = False) -> None:
         values = self.values(u)
         contact.add_to(values, self._contact_places)
         if shift:
@@ -127,27 +126,28 @@ class NearBody:
         self._values = values
         self._upper = self.pattern.matrix(values)
         self._diagonal = self._upper.diagonal()
-        if not self._factorised:
+        self._stuck = stuck
+        if stuck not in self._factored:
             self.renew()
 
     def renew(self) -> None:
         """Factorise the current Hessian.  Raises NotPositiveDefiniteError."""
-        self._factorised = False
-        self._factor.factorise(self._values)
-        self._factorised = True
+        self._factored.discard(self._stuck)
+        self._factors[self._stuck].factorise(self._values)
+        self._factored.add(self._stuck)
 
     def precondition(self, r: np.ndarray) -> np.ndarray:
-        return self._factor.solve(r)
+        return self._factors[self._stuck].solve(r)
 
     def apply(self, x: np.ndarray) -> np.ndarray:
         return self._upper @ x + self._upper.T @ x - self._diagonal * x
 
-    def solve(self, b: np.ndarray) -> np.ndarray:
+    def solve(self, b: np.ndarray, tolerance: float) -> np.ndarray:
         try:
-            return conjugate_gradients(self.apply, self.precondition, b, CG_TOLERANCE, CG_ITERATIONS_STALE)
+            return conjugate_gradients(self.apply, self.precondition, b, tolerance, CG_ITERATIONS_STALE)
         except StaleError:
             self.renew()
-        return conjugate_gradients(self.apply, self.precondition, b, CG_TOLERANCE, CG_ITERATIONS_STALE)
+        return conjugate_gradients(self.apply, self.precondition, b, tolerance, CG_ITERATIONS_STALE)
 
     def support_force(self, u: np.ndarray, state: ElementState) -> np.ndarray:
         """(3,) N; force of the supports on the tissue, from their own side."""
@@ -213,14 +213,23 @@ class FullBody:
     def state(self, u: np.ndarray) -> ElementState:
         return self.system.state(u)
 
-    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float) -> None:
-        self.near.linearise(u[: len(self.near.nodes)], contact, shift)
+    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float, stuck: bool = False) -> None:
         values = self.system.hessian(u, self.pattern)
         contact.add_to(values, self._contact_places)
         if shift:
             values += shift * self._rest_values
         self._upper = self.pattern.matrix(values)
         self._diagonal = self._upper.diagonal()
+        self._at = (u, contact, shift, stuck)
+        self.near._stuck = stuck
+        if stuck not in self.near._factored:
+            self.renew()
+
+    def renew(self) -> None:
+        """Factorise the near body's current Hessian.  Raises NotPositiveDefiniteError."""
+        u, contact, shift, stuck = self._at
+        self.near._factored.discard(stuck)
+        self.near.linearise(u[: len(self.near.nodes)], contact, shift, stuck)
 
     def precondition(self, r: np.ndarray) -> np.ndarray:
         f = self._far
@@ -233,12 +242,12 @@ class FullBody:
     def apply(self, x: np.ndarray) -> np.ndarray:
         return self._upper @ x + self._upper.T @ x - self._diagonal * x
 
-    def solve(self, b: np.ndarray) -> np.ndarray:
+    def solve(self, b: np.ndarray, tolerance: float) -> np.ndarray:
         try:
-            return conjugate_gradients(self.apply, self.precondition, b, CG_TOLERANCE, CG_ITERATIONS_STALE)
+            return conjugate_gradients(self.apply, self.precondition, b, tolerance, CG_ITERATIONS_STALE)
         except StaleError:
-            self.near.renew()
-        return conjugate_gradients(self.apply, self.precondition, b, CG_TOLERANCE, CG_ITERATIONS_FULL)
+            self.renew()
+        return conjugate_gradients(self.apply, self.precondition, b, tolerance, CG_ITERATIONS_FULL)
 
     def support_force(self, u: np.ndarray, state: ElementState) -> np.ndarray:
         return state.force[self._held].sum(axis=0)

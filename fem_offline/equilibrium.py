@@ -19,12 +19,14 @@ import numpy as np
 from palpate.fem_offline.assembly import ElementState
 from palpate.fem_offline.body import Body
 from palpate.fem_offline.conjugate_gradients import NegativeCurvatureError, StaleError
-from palpate.fem_offline.contact import ContactHessian, ContactState
+from palpate.fem_offline.contact import ContactHessian, ContactState, Sticking
 from palpate.fem_offline.linear_solver import NotPositiveDefiniteError
 
 __all__ = ["Equilibrium", "EquilibriumError", "equilibrate"]
 
 SUFFICIENT_DECREASE = 1.0e-4
+FORCING = (1.0e-3, 0.05)
+"""Smallest and largest reduction of the linear residual in a Newton step."""
 LADDER = ((True, 0.0), (False, 0.0), (False, 0.05), (False, 0.5), (False, 5.0))
 """(contact's geometric part kept, share of the rest stiffness added), tried in turn."""
 
@@ -58,11 +60,12 @@ class Equilibrium:
     iterations: int
 
 
-def _direction(body: Body, contact: Contact, u: np.ndarray, r: np.ndarray) -> np.ndarray:
+def _direction(body: Body, contact: Contact, u: np.ndarray, r: np.ndarray, tolerance: float) -> np.ndarray:
+    stuck = isinstance(contact, Sticking)
     for geometric, shift in LADDER:
         try:
-            body.linearise(u, contact.hessian(u, geometric), shift)
-            return body.solve(-r)
+            body.linearise(u, contact.hessian(u, geometric), shift, stuck)
+            return body.solve(-r, tolerance)
         except (NotPositiveDefiniteError, NegativeCurvatureError, StaleError):
             continue
     raise EquilibriumError("the Hessian could not be made positive definite")
@@ -99,7 +102,8 @@ def equilibrate(
             return Equilibrium(u, elastic, touch, residual, iteration)
         if iteration == iterations_max:
             break
-        d = _direction(body, contact, u, r)
+        # An inexact step early on, where the contact area still changes (Eisenstat and Walker 1996).
+        d = _direction(body, contact, u, r, float(np.clip(np.sqrt(residual), *FORCING)))
         slope = float(r @ d)
         step = np.zeros(len(free))
         step[free] = d

@@ -28,6 +28,12 @@ from palpate.fem_offline.tool import Tool
 __all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "press"]
 
 
+LOOSE = 3.0e-3
+"""Residual at which multipliers are updated; a better one does not survive the update."""
+STICKING_TOLERANCE = 1.0e-2
+"""Of the linear solves for the sticking stiffness; its own error is the square of that."""
+
+
 @dataclass(frozen=True)
 class PressSettings:
     """How a press is solved; part of every record's hash.
@@ -91,7 +97,8 @@ class PressRecord:
         energy: (K,) J stored in the tissue.  area: (K,) m2 of reference surface in contact.
         residual: (K,) |r| / |f|.  reaction_error: (K,) action against reaction, fraction of |f|.
         penetration: (K,) m; mean gap error where pressure acts.
-        sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck; zero at the zero state.
+        sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck, at every second depth and the deepest;
+            zero at the zero state, NaN elsewhere.
         lateral: sticking lateral ladders.
         work_mismatch: largest |W - integral of f_n| over the ladder, fraction of the deepest W.
         converged: every depth asked for was reached.  reason: why not, else "".
@@ -160,11 +167,12 @@ class _Ladder:
             self.contact.multiplier = np.maximum(0.0, self.pressure[-1] + ratio * rise)
             if not np.isfinite(self.site.body.state(start).energy):
                 start = self.u[-1]
-        found = self._solve(start, 1e-3)
+        found = self._solve(start, LOOSE)
         if recorded:
-            for _ in range(self.settings.updates):
+            for _ in range(self.settings.updates - 1):
                 self.contact.update(found.u)
-                found = self._solve(found.u, 1e-3)
+                found = self._solve(found.u, LOOSE)
+            self.contact.update(found.u)
             found = self._solve(found.u, self.settings.tolerance)
         self.depth.append(depth)
         self.u.append(found.u)
@@ -234,7 +242,8 @@ def press(
                 reason = f"action and reaction differ by {mismatch:.1e} at {depth * 1e3:.2f} mm"
                 break
             stuck = _sticking(site, found, contact, settings)
-            stiffness = _sticking_stiffness(site, found, stuck)
+            wants_stiffness = index % 2 == 1 or index == len(depths) - 1
+            stiffness = _sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
             touch = found.contact
             rows.append(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
@@ -283,13 +292,13 @@ def _sticking_stiffness(site: Site, found: Equilibrium, stuck: Sticking) -> np.n
     if not found.contact.area:
         return np.zeros((3, 3))
     body, surface = site.body, site.surface
-    body.linearise(found.u, stuck.hessian(found.u, False), 0.0)
+    body.linearise(found.u, stuck.hessian(found.u, False), 0.0, stuck=True)
     free = body.equation >= 0
     load = stuck.load_of_translation(len(found.u))
     stiffness = np.zeros((3, 3))
     for k in range(3):
         response = np.zeros(len(free))
-        response[free] = body.solve(load[:, :, k].ravel()[free])
+        response[free] = body.solve(load[:, :, k].ravel()[free], STICKING_TOLERANCE)
         # transposed load gives sum_q w_q eps_s N du/dD for each direction at once
         stiffness[:, k] = -np.einsum("nij,ni->j", load, response.reshape(-1, 3))
         stiffness[k, k] += stuck.penalty * float(np.sum(surface.weight[stuck._acting]))

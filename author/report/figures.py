@@ -13,7 +13,7 @@ from plotly.subplots import make_subplots
 from palpate.author.report.gather import Sources
 from palpate.author.report.held_out_rows import pooled
 from palpate.author.report.maps import ReachMap
-from palpate.author.report.numbers import percent
+from palpate.author.report.numbers import asked, percent
 from palpate.author.report.organ_figure import organ_figure, organ_maps
 from palpate.author.report.palette import ERROR_KINDS, FEM, INK, MARK, QUIET, RENDERED
 
@@ -71,23 +71,25 @@ def error_figure(validation: dict[str, Any] | None, noticeable: float) -> go.Fig
                 hovertemplate="%{y:.0f} % of states within %{x:.2f} %<extra>" + name + "</extra>",
             )  # fmt: skip
     for column in (1, 2):
-        marks = [(tolerance, f"asked {percent(validation['tolerance'])}", "dash", 1.0)]
+        marks = [(tolerance, f"asked {asked(validation['tolerance'])}", "dash", 1.0)]
         if abs(noticeable - validation["tolerance"]) > 1e-9:
-            marks.append((100 * noticeable, f"noticeable {percent(noticeable)}", "dot", 0.9))
+            marks.append((100 * noticeable, f"noticeable {asked(noticeable)}", "dot", 0.9))
         for x, text, dash, height in marks:
             figure.add_vline(x=x, line={"color": MARK, "width": 1.3, "dash": dash}, row=1, col=column)  # type: ignore
             figure.add_annotation(
                 x=x, y=height, yref="y domain" if column == 1 else "y2 domain", xref="x" if column == 1 else "x2",
-                text=text, showarrow=False, xanchor="left", yanchor="top", xshift=4, font={"size": 11, "color": MARK},
+                text=text, showarrow=False, xanchor="left" if x < 0.7 * top else "right", yanchor="top", xshift=4 if x < 0.7 * top else -4, font={"size": 11, "color": MARK},
                 bgcolor="rgba(255,255,255,0.8)",
             )  # fmt: skip
     figure.add_hline(y=95, line={"color": QUIET, "width": 1}, row=1, col=2)  # type: ignore
     figure.update_xaxes(title_text="error, % of the FEM normal force at that depth", rangemode="tozero")
     figure.update_xaxes(range=[0, top * 1.02], row=1, col=1)
+    everything = max([top, *(values[-1] for values in errors.values() if len(values))])
+    figure.update_xaxes(range=[0, everything * 1.02], row=1, col=2)
     figure.update_yaxes(title_text="states", row=1, col=1)
     figure.update_yaxes(title_text="%", range=[0, 102], row=1, col=2)
-    figure.update_layout(legend={"x": 0.99, "y": 0.05, "xanchor": "right", "yanchor": "bottom"})
-    return _dressed(figure, 360)
+    figure.update_layout(legend={"orientation": "h", "x": 0.545, "y": -0.2, "yanchor": "top"})
+    return _dressed(figure, 390)
 
 
 def worst_figure(tool: dict[str, Any]) -> go.Figure | None:
@@ -118,7 +120,9 @@ def worst_figure(tool: dict[str, Any]) -> go.Figure | None:
                 showlegend=first and part != "along",
                 hovertemplate="%{x:.2f} mm: %{y:.4f} N<extra>finite elements, " + part + "</extra>",
             )  # fmt: skip
+    figure.update_xaxes(range=[0, 1.04e3 * tool["field"]["depth_max"]])
     figure.update_xaxes(title_text="depth, mm", row=2)
+    figure.update_yaxes(rangemode="tozero", row=1)
     figure.update_yaxes(title_text="normal, N", row=1, col=1)
     figure.update_yaxes(title_text="lateral, N", row=2, col=1)
     figure.update_layout(legend={"orientation": "h", "y": -0.16, "x": 0})
@@ -152,6 +156,8 @@ def residual_figure(tool: dict[str, Any]) -> go.Figure | None:
 def _dressed(figure: go.Figure, height: int) -> go.Figure:
     figure.update_layout(
         template="plotly_white",
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
         height=height,
         margin={"l": 56, "r": 16, "t": 36, "b": 48},
         font={"family": "system-ui, -apple-system, 'Segoe UI', Roboto, sans-serif", "size": 12, "color": INK},

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""How numbers are written for people: 2-3 significant digits, units beside them, nothing invented for what is absent."""
+"""How numbers are written for people: 2-3 significant digits, units beside them, a dash for what is absent."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
-__all__ = ["ABSENT", "KINDS", "percent", "significant", "written"]
+__all__ = ["ABSENT", "KINDS", "asked", "percent", "significant", "written"]
 
 ABSENT = "–"
 """Stands where nothing was measured or judged."""
@@ -34,6 +34,11 @@ def percent(fraction: float | None, digits: int = 3) -> str:
     return f"{significant(100 * fraction, 2 if abs(fraction) < 0.01 else digits)} %"
 
 
+def asked(fraction: float) -> str:
+    """A fraction that somebody chose, as percentage, without digits that nobody gave."""
+    return f"{100 * fraction:.3g} %"
+
+
 def _bytes(value: float) -> str:
     if value < 1024:
         return f"{value:.0f} B"
@@ -52,12 +57,14 @@ def _vector(value: list[float]) -> str:
 
 KINDS = {
     "percent": percent,
+    "asked": asked,
+    "size": lambda v: f"{1e3 * v:.4g} mm",
     "mm": lambda v: f"{significant(1e3 * v)} mm",
     "um": lambda v: f"{significant(1e6 * v)} µm",
     "mm_vector": _vector,
     "N": lambda v: f"{significant(v)} N",
     "N/m": lambda v: f"{significant(v)} N/m",
-    "ns": lambda v: f"{significant(v)} ns",
+    "ns": lambda v: f"{v:.0f} ns",
     "ms": lambda v: f"{significant(v)} ms",
     "seconds": _seconds,
     "bytes": _bytes,
@@ -66,7 +73,7 @@ KINDS = {
     "short": lambda v: str(v)[:12],
     "text": str,
 }
-"""How each kind of value is written; lengths in m, forces in N, times in s, ns or ms as the kind says."""
+"""How each kind is written, from m, N, s (but ns and ms as they say); asked, size: chosen, not measured."""
 
 
 def written(value: Any, kind: str) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from palpate.author.report.numbers import percent
+from palpate.author.report.numbers import asked, percent
 
 __all__ = ["JUST_NOTICEABLE", "overall", "verdict"]
 
@@ -37,10 +37,10 @@ def verdict(name: str, validation: dict[str, Any] | None, points: int, converged
         }
     fidelity = validation.get("fidelity") or "the"
     reached = (
-        f"{name}: asked, that the rendered force be within {percent(tolerance)} of {fidelity} finite elements for "
-        f"95 % of the held-out states; reached, {percent(error['p95'])} (half of them within "
-        f"{percent(error['p50'])}, the worst {percent(error['max'])}), at {_places(converged)}"
-        + (f" of {points}" if converged != points else "")
+        f"{name}: asked for {asked(tolerance)} (rendered normal force against {fidelity} finite elements, 95th "
+        f"percentile); reached {percent(error['p95'])}, half of the states within {percent(error['p50'])}, the worst "
+        f"{percent(error['max'])}, at {_places(points)}"
+        + (f", {points - converged} of which failed or stopped early" if converged != points else "")
     )
     if validation["met"]:
         return {"state": "met", "sentence": f"{reached}. The tolerance is met."}
@@ -58,14 +58,14 @@ def _shortfalls(validation: dict[str, Any]) -> list[str]:
     error, tolerance = validation["force_error"], validation["tolerance"]
     out = []
     if error["p95"] > tolerance:
-        out.append(f"the 95th percentile, {percent(error['p95'])}, is above {percent(tolerance)}")
+        out.append(f"the 95th percentile, {percent(error['p95'])}, is above {asked(tolerance)}")
     if error["max"] > 2.0 * tolerance:
         out.append(
-            f"the worst, {percent(error['max'])}, is above twice the tolerance, {percent(2 * tolerance)}"
+            f"the worst, {percent(error['max'])}, is above twice the tolerance, {asked(2 * tolerance)}"
         )
     failed = validation.get("failed", 0)
     if failed:
-        out.append(f"{failed} held-out press{'es' if failed > 1 else ''} did not converge to full depth")
+        out.append(f"{failed} held-out press{'es' if failed > 1 else ''} failed or stopped early")
     return out
 
 

@@ -21,7 +21,8 @@ function draw(section) {
   section.dataset.drawn = "yes";
   for (const place of section.querySelectorAll(".figure")) {
     const figure = embedded(place.dataset.figure);
-    Plotly.newPlot(place, figure.data, figure.layout, CONFIG).then(() => {
+    const bar = place.classList.contains("organ");
+    Plotly.newPlot(place, figure.data, figure.layout, { ...CONFIG, displayModeBar: bar }).then(() => {
       if (place.classList.contains("organ")) control(section, place);
     });
   }

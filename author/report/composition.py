@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""A picture from rendered images: title, marks where they are seen, a colour scale beside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from palpate.author.report.numbers import asked
+from palpate.author.report.palette import INK, MARK
+from palpate.author.report.projection import WINDOW, View
+
+__all__ = ["Marks", "Scale", "compose"]
+
+
+@dataclass(frozen=True)
+class Marks:
+    """Marks at places (n, 3) m; a colour, "none" for hollow ones, or a colour scale's name for values (n,)."""
+
+    places: np.ndarray
+    name: str
+    symbol: str
+    size: float
+    colour: str
+    values: np.ndarray | None = None
+    labels: list[str] | None = None
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A colour scale from `low` to `high`; `asked`: a tolerance (fraction) to mark on a scale in percent."""
+
+    colours: str
+    low: float
+    high: float
+    unit: str
+    asked: float | None = None
+
+
+def compose(
+    path: Path,
+    title: str,
+    views: list[View],
+    images: list[np.ndarray],
+    marks: list[Marks],
+    scale: Scale | None = None,
+) -> None:
+    """Writes the picture; views stand side by side.  Marks that no view shows are counted under the title."""
+    wide = len(views)
+    figure = Figure(
+        figsize=(9.6 if wide == 1 else 15.0, 6.9 if wide == 1 else 6.2), dpi=150, facecolor="white"
+    )
+    right = 0.86 if scale else 1.0
+    shown = [np.zeros(len(group.places), bool) for group in marks]
+    for k, (view, image) in enumerate(zip(views, images, strict=True)):
+        axes = figure.add_axes((k * right / wide, 0.0, right / wide, 0.9))
+        axes.imshow(image, extent=(0, WINDOW[0], WINDOW[1], 0))
+        axes.axis("off")
+        for group, ever in zip(marks, shown, strict=True):
+            pixels, seen = view.project(group.places)
+            ever |= seen
+            _mark(axes, group, pixels, seen, scale)
+        axes.set(xlim=(0, WINDOW[0]), ylim=(WINDOW[1], 0))
+        if k == 0 and len(marks) > 1:
+            axes.legend(loc="upper left", fontsize=9.5, frameon=False, labelcolor=INK, handletextpad=0.4)
+    if scale:
+        _scale(figure, scale)
+    figure.text(0.03, 0.965, title, fontsize=12.5, color=INK, va="center")
+    hidden = sum(int(np.sum(~ever)) for ever in shown)
+    if hidden:
+        words = f"{hidden} mark{'s are' if hidden > 1 else ' is'} out of sight from here."
+        figure.text(0.03, 0.925, words, fontsize=9.5, color=INK, va="center")
+    figure.savefig(path)
+
+
+def _mark(axes, group: Marks, pixels: np.ndarray, seen: np.ndarray, scale: Scale | None) -> None:
+    x, y = pixels[seen].T
+    colour: dict = {"facecolors": group.colour}
+    if group.values is not None and scale is not None:
+        shades = colormaps[scale.colours](Normalize(scale.low, scale.high)(group.values[seen]))
+        colour = {"facecolors": shades}
+    edge = INK if group.colour == "none" or group.values is not None else "white"
+    width = 1.1 if edge == INK else 0.7
+    axes.scatter(
+        x, y, s=group.size, marker=group.symbol, edgecolors=edge, linewidths=width, label=group.name, **colour
+    )
+    for place, text in zip(
+        pixels[seen], np.array(group.labels or [])[seen] if group.labels else [], strict=False
+    ):
+        axes.annotate(
+            text, place, xytext=(9, 6), textcoords="offset points", fontsize=9.5, color=INK,
+            bbox={"boxstyle": "round,pad=0.18", "fc": "white", "ec": "none", "alpha": 0.8},
+        )  # fmt: skip
+
+
+def _scale(figure: Figure, scale: Scale) -> None:
+    bar = figure.add_axes((0.91, 0.2, 0.02, 0.5))
+    drawn = figure.colorbar(ScalarMappable(Normalize(scale.low, scale.high), scale.colours), cax=bar)
+    drawn.outline.set_visible(False)  # type: ignore[operator]
+    bar.set_title(scale.unit, fontsize=10, color=INK, pad=10)
+    bar.tick_params(labelsize=9, colors=INK, length=2)
+    if scale.asked is not None:
+        mark = 100 * scale.asked
+        bar.axhline(mark, color="white", linewidth=1.6)
+        bar.annotate(
+            f"asked\n{asked(scale.asked)}", (0.0, mark), xycoords=("axes fraction", "data"), xytext=(-6, 0),
+            textcoords="offset points", ha="right", va="center", fontsize=9, color=MARK,
+        )  # fmt: skip

@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+
 from palpate.runtime import Session, cmake_folder
 
 EXAMPLE = Path(__file__).parents[2] / "runtime_cpp" / "examples" / "press_along_a_line.c"

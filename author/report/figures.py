@@ -76,10 +76,11 @@ def error_figure(validation: dict[str, Any] | None, noticeable: float) -> go.Fig
             marks.append((100 * noticeable, f"noticeable {asked(noticeable)}", "dot", 0.9))
         for x, text, dash, height in marks:
             figure.add_vline(x=x, line={"color": MARK, "width": 1.3, "dash": dash}, row=1, col=column)  # type: ignore
+            side, shift = ("left", 4) if x < 0.7 * top else ("right", -4)
+            axes = ("x", "y domain") if column == 1 else ("x2", "y2 domain")
             figure.add_annotation(
-                x=x, y=height, yref="y domain" if column == 1 else "y2 domain", xref="x" if column == 1 else "x2",
-                text=text, showarrow=False, xanchor="left" if x < 0.7 * top else "right", yanchor="top", xshift=4 if x < 0.7 * top else -4, font={"size": 11, "color": MARK},
-                bgcolor="rgba(255,255,255,0.8)",
+                x=x, y=height, xref=axes[0], yref=axes[1], text=text, showarrow=False, xanchor=side, yanchor="top",
+                xshift=shift, font={"size": 11, "color": MARK}, bgcolor="rgba(255,255,255,0.8)",
             )  # fmt: skip
     figure.add_hline(y=95, line={"color": QUIET, "width": 1}, row=1, col=2)  # type: ignore
     figure.update_xaxes(title_text="error, % of the FEM normal force at that depth", rangemode="tozero")

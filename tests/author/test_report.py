@@ -8,6 +8,7 @@ rendered forces are what the field says, so that the errors in the report are re
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 import shutil
@@ -19,15 +20,23 @@ import numpy as np
 import pytest
 import trimesh
 from known_organ import DEPTH, RADIUS, KnownOrgan, field_of
+
+from palpate.author.console import plain
 from palpate.author.report import write_report
+from palpate.author.report.contents import contents
+from palpate.author.report.gather import gather
+from palpate.author.report.maps import reach_map
+from palpate.author.report.numbers import percent
+from palpate.author.report.organ_figure import organ_figure
 from palpate.fields.interpolation import evaluate
 from palpate.fields.organ_geometry import OrganGeometry, Support
 from palpate.fields.response_field import ResponseField
-from palpate.fields.usd_write import write_asset
+from palpate.fields.usd_read import read_field, read_organ
+from palpate.fields.usd_write import add_tool, write_asset
 
 ORGAN = KnownOrgan()
 TOOL = "ball"
-POINTS, SEED, TOLERANCE, FLOOR = 9, 7, 0.035, 0.05
+NODES, POINTS, SEED, TOLERANCE, FLOOR = 14, 9, 7, 0.035, 0.05
 REASON = "Newton stopped <early> & was not forced on"
 
 
@@ -112,7 +121,7 @@ SUMMARY = {
 def asset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An asset with its validation and its report."""
     folder = tmp_path_factory.mktemp("report") / "ellipsoid"
-    field = field_of(ORGAN, 40)
+    field = field_of(ORGAN, NODES)
     write_asset(folder, organ_geometry(), field)
     (folder / "validation").mkdir()
     (folder / "validation" / f"{TOOL}.json").write_text(json.dumps(validation(field)))
@@ -120,12 +129,265 @@ def asset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.fixture(scope="module")
+def html(asset: Path) -> str:
+    return (asset / "report" / "index.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def report(asset: Path) -> dict[str, Any]:
+    """The JSON twin; NaN and infinities are refused."""
+
+    def refuse(word: str) -> None:
+        raise AssertionError(f"{word} is not JSON")
+
+    return json.loads((asset / "report" / "report.json").read_text(encoding="utf-8"), parse_constant=refuse)
+
+
+class Page(HTMLParser):
+    """Addresses that the page's elements load or lead to, its values by path, and its text outside of values."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.loaded: list[str] = []
+        self.links: list[str] = []
+        self.styles = ""
+        self.values: list[list[str]] = []  # path, kind, text
+        self.text = ""
+        self.scripts: list[str] = []
+        self._inside = ""
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = dict(attrs)
+        self.loaded += [
+            found[key] or "" for key in ("src", "srcset", "data", "poster", "action") if key in found
+        ]
+        if "href" in found:
+            (self.links if tag == "a" else self.loaded).append(found["href"] or "")
+        if tag in ("script", "style"):
+            self._inside = tag
+            if tag == "script":
+                self.scripts.append("")
+        elif "data-path" in found:
+            self._inside = "value"
+            self.values.append([found["data-path"] or "", found["data-kind"] or "", ""])
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag in ("script", "style", "span"):
+            self._inside = ""
+
+    def handle_data(self, data: str) -> None:
+        if self._inside == "style":
+            self.styles += data
+        elif self._inside == "script":
+            self.scripts[-1] += data
+        elif self._inside == "value":
+            self.values[-1][2] += data
+        else:
+            self.text += data
+
+
+def at(report: dict[str, Any], path: str) -> Any:
+    found: Any = report
+    for key in path.split("/"):
+        found = found[int(key)] if isinstance(found, list) else None if found is None else found.get(key)
+    return found
+
+
+def test_page_loads_nothing(asset: Path, html: str) -> None:
+    page = Page(html)
+    assert page.loaded == []
+    for word in ("@import", "url("):
+        assert word not in page.styles
+    for link in page.links:
+        assert link.startswith("#") or (asset / "report" / link).is_file(), link
+
+
+def test_plotly_is_embedded_once(html: str) -> None:
+    scripts = Page(html).scripts
+    assert sum("plotly.js v" in script for script in scripts) == 1
+    assert html.count("</script>") == len(scripts)  # no figure closes its script early
+
+
+def test_verdict_says_what_was_asked_and_reached(html: str, report: dict[str, Any]) -> None:
+    error = report["tools"][0]["validation"]["force_error"]
+    sentence = report["verdict"]["sentences"][0]
+    for part in (
+        "asked for 3.5 %",
+        percent(error["p95"]),
+        percent(error["max"]),
+        f"{POINTS} held-out points",
+    ):
+        assert part in sentence
+    assert report["verdict"]["state"] == "missed" and "1 held-out press failed or stopped early" in sentence
+    assert [sentence] == [text for path, _, text in Page(html).values if path == "tools/0/verdict/sentence"]
+
+
+def test_every_held_out_press_is_in_the_twin(asset: Path, report: dict[str, Any]) -> None:
+    stated = json.loads((asset / "validation" / f"{TOOL}.json").read_text())
+    tool = report["tools"][0]
+    assert tool["validation"] == stated
+    assert [row["contact_point"] for row in tool["held_out"]] == [
+        p["contact_point"] for p in stated["presses"]
+    ]
+    for row, press in zip(tool["held_out"], stated["presses"], strict=True):
+        assert row["force_error_max"] == max(e for e in press["force_error"] if e is not None)
+        fem, n = np.array(press["fem_force"]), np.array(press["normal"])
+        lateral = np.linalg.norm(fem - (fem @ n)[:, None] * n, axis=1)
+        drawn = np.hypot(row["curves"]["fem"]["along"], row["curves"]["fem"]["across"])
+        np.testing.assert_allclose(drawn, lateral, rtol=1e-9, atol=1e-12)
+
+
+SCALE = {"%": 100, "mm": 1e3, "µm": 1e6, "N": 1, "N/m": 1, "s": 1, "min": 1 / 60, "h": 1 / 3600, "B": 1, "": 1,
+         "KiB": 2.0**-10, "MiB": 2.0**-20, "ns": 1, "ms": 1}  # fmt: skip
+
+
+def test_numbers_on_the_page_are_those_of_the_twin(html: str, report: dict[str, Any]) -> None:
+    checked = 0
+    for path, kind, text in Page(html).values:
+        value = at(report, path)
+        if value is None:
+            assert text == "–", path
+        elif kind in ("text", "short"):
+            assert text == (str(value) if kind == "text" else value[:12]), path
+        elif kind == "mm_vector":
+            np.testing.assert_allclose(
+                [float(x) for x in text.split(",")], 1e3 * np.array(value), atol=0.0501
+            )
+        else:
+            number, _, unit = text.partition(" ")
+            mantissa, _, exponent = number.partition("e")
+            places = len(mantissa.partition(".")[2])
+            half_unit = 0.5 * 10.0 ** (int(exponent or 0) - places)
+            assert abs(float(number) - SCALE[unit] * value) <= half_unit * (1 + 1e-6), (path, text, value)
+            checked += 1
+    assert checked > 100
+
+
+def test_no_number_stands_outside_of_the_twin(html: str) -> None:
+    assert set(re.findall(r"[0-9.]+ %", Page(html).text)) <= {"99 %", "99.9 %"}  # column heads
+
+
+def test_failures_are_shown_with_their_reason(html: str, report: dict[str, Any]) -> None:
+    page = Page(html)
+    assert REASON in [text for _, _, text in page.values]  # escaped in the page, or it would have been parsed
+    assert "the patch has no good mesh" in [text for _, _, text in page.values]
+    assert not report["tools"][0]["held_out"][-1]["converged"]
+    assert report["tools"][0]["judged"]["converged"] == POINTS - 1
+
+
+def test_bench_and_sizes_reach_the_page(html: str, report: dict[str, Any]) -> None:
+    values = {path: text for path, _, text in Page(html).values}
+    assert values["tools/0/bench/stick_ns/p50"] == "184 ns"
+    assert values["tools/0/rfield_bytes"] == "248 KiB"
+    assert {file["path"] for file in report["files"]} >= {"ellipsoid.usda", "fields/ball.usdc"}
+
+
+def test_maps_are_the_known_response(asset: Path) -> None:
+    field = read_field(asset, TOOL)
+    reach = reach_map(read_organ(asset), field)
+    assert reach.unstored_share == 0.0 and len(reach.vertices) > 100
+    foot = ORGAN.foot(reach.vertices)
+    n = ORGAN.normal(foot)
+    force = {
+        d: np.sum(ORGAN.force(foot + (RADIUS - d) * n) * n, axis=1) for d in (3e-3, 3.01e-3, 2.99e-3, 5e-3)
+    }
+    assert_close(reach.values["normal_force"][4], force[5e-3], 0.03)
+    assert_close(reach.values["stiffness"][2], (force[3.01e-3] - force[2.99e-3]) / 2e-5, 0.04)
+    push = ORGAN.force(foot + (RADIUS - 5e-3) * n)
+    push = np.linalg.norm(push - np.sum(push * n, axis=1)[:, None] * n, axis=1)
+    assert np.quantile(np.abs(reach.values["lateral_push"][4] - push) / force[5e-3], 0.95) < 0.02
+
+
+def assert_close(value: np.ndarray, truth: np.ndarray, share: float) -> None:
+    """The field's own interpolation error is a few percent at most; a wrong place, depth or sign is far more."""
+    assert np.quantile(np.abs(value / truth - 1.0), 0.95) < share
+
+
+def test_large_meshes_are_decimated_and_keep_their_reach(asset: Path) -> None:
+    organ, field = read_organ(asset), read_field(asset, TOOL)
+    everything = dataclasses.replace(organ, reach_triangles=np.arange(len(organ.triangles), dtype=np.int32))
+    reach = reach_map(everything, field, triangle_limit=2000)
+    assert (
+        len(reach.triangles) + len(reach.rest_triangles) <= 2500
+    )  # asked for about 2000; splitting long edges adds some
+    assert 0.5 < reach.unstored_share < 1.0  # the field knows the cap alone: the rest is drawn plain
+    area = sum(
+        trimesh.triangles.area(v[t]).sum()
+        for v, t in ((reach.vertices, reach.triangles), (reach.rest_vertices, reach.rest_triangles))
+    )
+    assert area == pytest.approx(trimesh.triangles.area(organ.vertices[organ.triangles]).sum(), rel=0.02)
+
+
+def test_extrapolated_and_derived_nodes_are_marked(asset: Path) -> None:
+    sources = gather(asset, {})
+    field = sources.fields[0]
+    reached, pressed = field.nodes.depth_reached.copy(), field.nodes.pressed.copy()
+    reached[0], pressed[1] = 0.6 * DEPTH, False
+    nodes = dataclasses.replace(field.nodes, depth_reached=reached, pressed=pressed)
+    changed = dataclasses.replace(sources, fields=[dataclasses.replace(field, nodes=nodes)])
+    maps = [reach_map(sources.organ, field)]
+    tool = plain(contents(changed, maps))["tools"][0]
+    assert (tool["nodes"]["pressed"], tool["nodes"]["extrapolated"], tool["nodes"]["derived"]) == (
+        NODES - 2,
+        1,
+        1,
+    )
+    drawn = {trace.name: trace for trace in organ_figure(field, maps[0], tool).data}
+    assert len(drawn["nodes, extrapolated"].x) == len(drawn["nodes, derived"].x) == 1
+    assert drawn["nodes, extrapolated"].marker.symbol != drawn["nodes, pressed"].marker.symbol
+
+
+def test_without_opengl_the_report_says_so(
+    asset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = Path(shutil.copytree(asset, tmp_path / "copy"))
+    monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
+    page = write_report(copy, SUMMARY).read_text(encoding="utf-8")
+    assert "organ.png, error_map.png, stiffness_map.png could not be drawn on this machine" in page
+    assert [path.name for path in (copy / "report").glob("*.png")] == ["worst_curves.png"]
+
+
+def test_without_validation_and_summary_nothing_is_claimed(
+    asset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = Path(shutil.copytree(asset, tmp_path / "copy"))
+    shutil.rmtree(copy / "validation")
+    monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
+    page = write_report(copy, {}).read_text(encoding="utf-8")
+    assert "Not judged." in page and "no held-out press has been compared" in page
+    assert json.loads((copy / "report" / "report.json").read_text())["verdict"]["state"] == "unjudged"
+    assert list((copy / "report").glob("*.png")) == []
+
+
+def test_each_tool_has_its_section(asset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    copy = Path(shutil.copytree(asset, tmp_path / "copy"))
+    field = read_field(copy, TOOL)
+    add_tool(copy, dataclasses.replace(field, tool=dataclasses.replace(field.tool, name="other")))
+    monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
+    page = write_report(copy, SUMMARY).read_text(encoding="utf-8")
+    assert page.count('<section class="tool"') == page.count("<option>") == 2
+    report = json.loads((copy / "report" / "report.json").read_text())
+    assert [tool["verdict"]["state"] for tool in report["tools"]] == ["missed", "unjudged"]
+    assert report["tools"][1]["failures"] == [] and report["tools"][1]["rfield_bytes"] is None
+
+
+def test_pictures_exist(asset: Path) -> None:
+    made = {path.name: path.stat().st_size for path in (asset / "report").glob("*.png")}
+    report = json.loads((asset / "report" / "report.json").read_text())
+    if any("could not be drawn" in note for note in report["notes"]):
+        pytest.skip(report["notes"][0])
+    assert set(made) == {"organ.png", "error_map.png", "stiffness_map.png", "worst_curves.png"}
+    assert min(made.values()) > 10_000
+
+
 if __name__ == "__main__":  # python tests/author/test_report.py DIR: a report to look at
     import sys
 
     place = Path(sys.argv[1])
     shutil.rmtree(place, ignore_errors=True)
-    made = field_of(ORGAN, 40)
+    made = field_of(ORGAN, NODES)
     write_asset(place, organ_geometry(), made)
     (place / "validation").mkdir()
     (place / "validation" / f"{TOOL}.json").write_text(json.dumps(validation(made)))

@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Words, digits and projection of the report, without an asset."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from palpate.author.report.numbers import asked, percent, significant, written
+from palpate.author.report.projection import WINDOW, Mesh, View
+from palpate.author.report.render import RenderFailure, render
+from palpate.author.report.verdict import overall, verdict
+
+
+@pytest.mark.parametrize(
+    ("fraction", "text"),
+    [
+        (0.03456, "3.46 %"), (0.123456, "12.3 %"), (1.5, "150 %"), (0.00351, "0.35 %"), (0.0999999, "10.0 %"),
+        (0.0, "0 %"), (None, "–"), (3e-7, "< 0.001 %"), (0.0000321, "0.0032 %"),
+    ],
+)  # fmt: skip
+def test_percentages_have_two_or_three_digits(fraction: float | None, text: str) -> None:
+    assert percent(fraction) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1234.5, "1230"), (0.0123456, "0.0123"), (9.999, "10.0"), (-2.5, "-2.50"), (3e-9, "3.00e-09")],
+)
+def test_significant_digits(value: float, text: str) -> None:
+    assert significant(value) == text
+
+
+def test_chosen_numbers_get_no_digits_that_nobody_gave() -> None:
+    assert asked(0.035) == "3.5 %" and asked(2 * 0.035) == "7 %"
+    assert written(5e-3, "size") == "5 mm" and written(5e-3, "mm") == "5.00 mm"
+    assert written(2711.0, "seconds") == "45.2 min" and written(254_321, "bytes") == "248 KiB"
+
+
+def judged(p95: float, worst: float, failed: int = 0) -> dict:
+    met = p95 <= 0.035 and worst <= 0.07 and not failed
+    error = {"p50": 0.01, "p95": p95, "max": worst}
+    return {"tolerance": 0.035, "met": met, "failed": failed, "fidelity": "full", "force_error": error}
+
+
+def test_verdict_names_every_shortfall() -> None:
+    met = verdict("ball", judged(0.021, 0.05), 8, 8)
+    assert met["state"] == "met" and met["sentence"].endswith("at 8 held-out points. The tolerance is met.")
+    missed = verdict("ball", judged(0.05, 0.09, 1), 8, 7)
+    assert missed["state"] == "missed"
+    for part in (
+        "5.00 %, is above 3.5 %",
+        "9.00 %, is above twice the tolerance, 7 %",
+        "1 held-out press failed",
+    ):
+        assert part in missed["sentence"]
+    assert "8 held-out points, 1 of which failed or stopped early" in missed["sentence"]
+    nothing = judged(0.0, 0.0) | {"force_error": None, "met": True}
+    assert verdict("ball", nothing, 1, 0)["state"] == verdict("ball", None, 0, 0)["state"] == "unjudged"
+
+
+def test_the_worst_verdict_counts() -> None:
+    assert overall([{"state": "met"}, {"state": "missed"}, {"state": "unjudged"}]) == "missed"
+    assert overall([{"state": "met"}, {"state": "unjudged"}]) == "unjudged" == overall([])
+    assert overall([{"state": "met"}]) == "met"
+
+
+def ball_view() -> View:
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.05)
+    vertices, triangles = np.asarray(ball.vertices), np.asarray(ball.faces)
+    eye = np.array([0.6, -0.64, 0.48])
+    return View(eye, np.array([0.0, 0.0, 1.0]), vertices, 1.2, [Mesh(vertices, triangles, "#dddddd")])
+
+
+def test_marks_behind_the_organ_are_not_seen() -> None:
+    view = ball_view()
+    directions = np.random.default_rng(4).normal(size=(300, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    facing = directions @ view.eye
+    pixels, seen = view.project(0.05 * directions)
+    clear = np.abs(facing) > 0.15  # at the rim, marks may lie under a facet
+    np.testing.assert_array_equal(seen[clear], facing[clear] > 0)
+    assert ((pixels > 0) & (pixels < WINDOW)).all()
+
+
+def test_projection_is_where_the_renderer_draws() -> None:
+    view = ball_view()
+    place = 0.05 * np.array([0.28, -0.96, 0.0])
+    dot = trimesh.creation.icosphere(subdivisions=2, radius=0.002)
+    dot = Mesh(np.asarray(dot.vertices) + place, np.asarray(dot.faces), "#ff0000")
+    try:
+        (image,) = render([View(view.eye, view.up, view.shown, view.margin, [*view.meshes, dot])])
+    except RenderFailure as failure:
+        pytest.skip(str(failure))
+    red = (image[..., 0] > 80) & (image[..., 1] < 40)
+    rows, columns = np.nonzero(red)
+    pixels, seen = view.project(place[None])
+    assert seen.all()
+    np.testing.assert_allclose(
+        [columns.mean() + 0.5, rows.mean() + 0.5], pixels[0], atol=8.0
+    )  # half is buried

@@ -7,6 +7,10 @@
 The step solves H d = -r with the exact Hessian; where that is not positive definite the contact's geometric part is
 left out, then a twentieth of the rest stiffness is added, and more, until it is.  No state with an inverted element
 is ever accepted: its energy is infinite.
+
+Close to equilibrium the energy's decrease, r.d / 2, drowns in the rounding of a sum over the whole body (psi_iso alone
+carries 1e-16 mu V), and an energy line search would shrink good steps to nothing.  There a step is taken when it
+halves the residual (compare the approximate Wolfe conditions of Hager and Zhang 2005).
 """
 
 from __future__ import annotations
@@ -27,6 +31,8 @@ __all__ = ["Equilibrium", "EquilibriumError", "equilibrate"]
 SUFFICIENT_DECREASE = 1.0e-4
 FORCING = (1.0e-3, 0.05)
 """Smallest and largest reduction of the linear residual in a Newton step."""
+NEAR = 1.0e-5
+"""Relative residual below which the residual may judge a step; the energy's decrease is then some 1e-10 of it."""
 LADDER = ((True, 0.0), (False, 0.0), (False, 0.05), (False, 0.5), (False, 5.0))
 """(contact's geometric part kept, share of the rest stiffness added), tried in turn."""
 
@@ -117,6 +123,10 @@ def equilibrate(
                 rounding = 1e-13 * (abs(elastic_trial.energy) + abs(touch_trial.energy))
                 if energy_trial <= energy + SUFFICIENT_DECREASE * alpha * slope + rounding:
                     break
+                if residual < NEAR:
+                    r_trial = (elastic_trial.force + touch_trial.gradient).ravel()[free]
+                    if np.linalg.norm(r_trial) <= 0.5 * np.linalg.norm(r):
+                        break
             alpha *= 0.5
         else:
             raise EquilibriumError(f"the line search failed at residual {residual:.1e}")

@@ -15,7 +15,8 @@ __all__ = ["write_report"]
 
 
 def write_report(asset: Path, summary: dict[str, Any]) -> Path:
-    """Writes <asset>/report/: index.html, report.json, organ.png, error_map.png, stiffness_map.png, worst_curves.png.
+    """Writes <asset>/report/: index.html, report.json, organ.png, stiffness_map.png and, where
+    presses were held out, error_map.png and worst_curves.png.
 
     Args:
         asset: folder of a USD asset; <asset>/validation/<tool>.json is read where it exists.

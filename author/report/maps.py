@@ -132,7 +132,8 @@ def _fine(
     corners = vertices[triangles]
     if np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max() <= edge:
         return vertices, triangles
-    return trimesh.remesh.subdivide_to_size(vertices, triangles, edge, max_iter=20)
+    split = trimesh.remesh.subdivide_to_size(vertices, triangles, edge, max_iter=20)
+    return np.asarray(split[0]), np.asarray(split[1])
 
 
 def _compact(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -127,6 +127,8 @@ def _points(positions: np.ndarray, **more: Any) -> go.Scatter3d:
 
 def _held_out(figure: go.Figure, tool: dict[str, Any], lift: float) -> None:
     judged = [row for row in tool["held_out"] if row["force_error_max"] is not None]
+    if not judged:
+        return
     errors = [row["force_error_max"] for row in judged]
     tolerance = (tool["validation"] or {}).get("tolerance", 0.0)
     figure.add_trace(
@@ -187,7 +189,7 @@ def _failures(figure: go.Figure, tool: dict[str, Any], reach: ReachMap, lift: fl
                 np.array([_above(np.array(place), reach, lift) for place, _ in places]),
                 name="presses that failed or stopped early",
                 meta="failures",
-                marker={"size": 7, "color": MARK, "symbol": "x"},
+                marker={"size": 7, "color": MARK, "symbol": "diamond"},
                 text=[reason for _, reason in places],
                 hovertemplate="%{text}<extra>failed or stopped early</extra>",
             )

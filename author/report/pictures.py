@@ -102,24 +102,15 @@ def _maps(
         f"{name}: {what[0].lower() + what[1:]}, at {depth:.2g} mm depth",
     ]
     labels = [percent(error, 2) for error in errors] if len(held) <= LABELS else None
+    marks = [*_nodes(tool), Marks(places, "held-out points", "o", 90.0, MARK)]
     balls = Marks(places, "held-out points", "o", 150.0, ERRORS, 100 * errors, labels)
-    compose(
-        files[0],
-        captions[0],
-        views[0::3],
-        images[0::3],
-        [*_nodes(tool), Marks(places, "held out", "o", 90.0, MARK)],
-    )
-    compose(
-        files[1],
-        captions[1],
-        views[1::3],
-        images[1::3],
-        [balls],
-        Scale(ERRORS, 0.0, top, "error, %", tolerance),
-    )
+    compose(files[0], captions[0], views[0::3], images[0::3], [group for group in marks if len(group.places)])
+    if held:
+        scale = Scale(ERRORS, 0.0, top, "error, %", tolerance)
+        compose(files[1], captions[1], views[1::3], images[1::3], [balls], scale)
     compose(files[2], captions[2], views[2::3], images[2::3], [], Scale(VALUES, low, high, unit))
-    return [{"file": path.name, "caption": text} for path, text in zip(files, captions, strict=False)]
+    drawn = zip(files, captions, (True, bool(held), True), strict=False)
+    return [{"file": path.name, "caption": text} for path, text, there in drawn if there]
 
 
 def _nodes(tool: dict[str, Any]) -> list[Marks]:

@@ -53,26 +53,26 @@ def _draw(view: View) -> np.ndarray:
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW), lighting="none")
-    plotter.set_background("white")
+    plotter.background_color = "white"
     eye, right, top = view.eye, view.right, view.top
     for direction, strength in (
-        (eye + 0.5 * top - 0.4 * right, 0.62),
-        (eye - 0.6 * right, 0.28),
-        (top, 0.18),
+        (eye + 0.5 * top - 0.4 * right, 0.68),
+        (eye - 0.4 * top + 0.5 * right, 0.4),
+        (top, 0.15),
     ):
         light = pyvista.Light(position=tuple(direction), light_type="scene light", intensity=strength)
         plotter.add_light(light)
     look = {"smooth_shading": True, "split_sharp_edges": True, "feature_angle": 50.0,
-            "ambient": 0.32, "diffuse": 0.8, "specular": 0.04, "show_scalar_bar": False}  # fmt: skip
+            "specular": 0.0, "show_scalar_bar": False}  # fmt: skip
     for mesh in view.meshes:
         if not len(mesh.triangles):
             continue
         surface = pyvista.PolyData.from_regular_faces(mesh.vertices, mesh.triangles)
         if mesh.values is None:
-            plotter.add_mesh(surface, color=mesh.colour, **look)
+            plotter.add_mesh(surface, color=mesh.colour, ambient=0.36, diffuse=0.82, **look)
         else:
             surface["values"] = mesh.values
-            plotter.add_mesh(surface, scalars="values", cmap=mesh.colour, **look)
+            plotter.add_mesh(surface, scalars="values", cmap=mesh.colour, ambient=0.72, diffuse=0.33, **look)
     plotter.camera.focal_point = view.middle
     plotter.camera.position = view.middle + 10.0 * view.height * eye
     plotter.camera.up = top

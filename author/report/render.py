@@ -53,7 +53,7 @@ def _draw(view: View) -> np.ndarray:
     import pyvista
 
     plotter = pyvista.Plotter(off_screen=True, window_size=list(WINDOW), lighting="none")
-    plotter.background_color = "white"
+    plotter.background_color = pyvista.Color("white")
     eye, right, top = view.eye, view.right, view.top
     for direction, strength in (
         (eye + 0.5 * top - 0.4 * right, 0.68),

@@ -30,6 +30,10 @@ DEEPER = 0.3
 """The band goes this share of depth_max deeper than any press, at least 1.5 mm."""
 
 
+REACH_MARGIN = 15e-3
+"""m beyond the reach in which amplitudes fall to zero, and so geometry must be known."""
+
+
 def tool_reference(tool: Tool) -> ToolReference:
     radius = float(tool.radius[0])  # type: ignore[index]  (require_capabilities: a sphere with one radius)
     return ToolReference(tool.name, tool.shape, radius, {"radius": radius}, Sphere(radius).hash())
@@ -48,10 +52,9 @@ def band_of(scene: Scene) -> tuple[float, float]:
 def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) -> ContactGeometry:
     """The contact geometry that all tools of the scene share."""
     low, high = band_of(scene)
-    margin = 14e-3
-    around = margin + max(abs(low), abs(high)) + 5e-3
+    around = REACH_MARGIN + max(abs(low), abs(high)) + 5e-3
     bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
-    return contact_geometry(mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=margin)
+    return contact_geometry(mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=REACH_MARGIN)
 
 
 def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
@@ -100,5 +103,5 @@ def field_of(
     count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
     reference = tool_reference(tool)
     nodes = fit_nodes(usable, uniform_knots(depth_max, count), reference.offset, geometry)
-    field = build_field(nodes, geometry, reference, samples.beyond(mesh), provenance=provenance)
+    field = build_field(nodes, geometry, reference, samples.beyond(mesh), margin=REACH_MARGIN, provenance=provenance)
     return field, failures

@@ -89,7 +89,7 @@ def error_figure(validation: dict[str, Any] | None, noticeable: float) -> go.Fig
     figure.update_xaxes(range=[0, everything * 1.02], row=1, col=2)
     figure.update_yaxes(title_text="states", row=1, col=1)
     figure.update_yaxes(title_text="%", range=[0, 102], row=1, col=2)
-    figure.update_layout(legend={"orientation": "h", "x": 0.545, "y": -0.2, "yanchor": "top"})
+    figure.update_layout(legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": -0.2, "yanchor": "top"})
     return _dressed(figure, 390)
 
 

@@ -198,6 +198,21 @@ def bench(
 
 
 @app.command()
+def verify(
+    everything: Annotated[bool, typer.Option("--all", help="the slow rows too: some five minutes")] = False,
+    as_json: Json = False,
+) -> None:
+    """Hold the finite elements against what is known, row by row."""
+
+    def work() -> Answer:
+        from palpate.author.verify import verify as verified
+
+        return verified(everything, progress=lambda line: print(line, file=sys.stderr, flush=True))
+
+    _end(work, as_json)
+
+
+@app.command()
 def doctor(as_json: Json = False) -> None:
     """Check what this machine has of what palpate needs."""
 

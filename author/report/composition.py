@@ -91,13 +91,27 @@ def _mark(axes, group: Marks, pixels: np.ndarray, seen: np.ndarray, scale: Scale
     axes.scatter(
         x, y, s=group.size, marker=group.symbol, edgecolors=edge, linewidths=width, label=group.name, **colour
     )
-    for place, text in zip(
-        pixels[seen], np.array(group.labels or [])[seen] if group.labels else [], strict=False
-    ):
-        axes.annotate(
-            text, place, xytext=(9, 6), textcoords="offset points", fontsize=9.5, color=INK,
-            bbox={"boxstyle": "round,pad=0.18", "fc": "white", "ec": "none", "alpha": 0.8},
+    if group.labels:
+        _label(axes, pixels[seen], [text for text, there in zip(group.labels, seen, strict=True) if there])
+
+
+def _label(axes, places: np.ndarray, labels: list[str]) -> None:
+    """Labels beside their marks, each on the first of four sides where it covers no other label or mark."""
+    taken = [(x - 12.0, y - 12.0, x + 12.0, y + 12.0) for x, y in places]
+    for (x, y), text in zip(places, labels, strict=True):
+        width, height = 13.0 * len(text) + 8.0, 32.0
+        sides = [(x + 14, y - 32), (x + 14, y + 2), (x - 14 - width, y - 32), (x - 14 - width, y + 2)]
+        boxes = [(left, top, left + width, top + height) for left, top in sides]
+        box = next((one for one in boxes if not any(_overlap(one, other) for other in taken)), boxes[0])
+        taken.append(box)
+        axes.text(
+            0.5 * (box[0] + box[2]), 0.5 * (box[1] + box[3]), text, fontsize=9.5, color=INK, ha="center", va="center",
+            bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8},
         )  # fmt: skip
+
+
+def _overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def _scale(figure: Figure, scale: Scale) -> None:

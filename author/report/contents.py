@@ -20,6 +20,9 @@ __all__ = ["contents"]
 FULL_DEPTH = 1.0 - 1e-6
 """A node whose press reached less than this share of depth_max has extrapolated curves."""
 
+WORST_SHARE = 0.05
+"""Share of the reach beyond the 95th percentile: n points drawn evenly all miss it with chance 0.95^n."""
+
 
 def contents(sources: Sources, maps: list[ReachMap]) -> dict[str, Any]:
     """The report; `maps` holds one per field."""
@@ -89,6 +92,7 @@ def _tool(
         "judged": {
             "points": points,
             "converged": converged,
+            "worst_places_missed": (1.0 - WORST_SHARE) ** converged,
             **{key: len(pooled(validation, key)) for key in ("force_error", "lateral_error", "stuck_error")},
         },
         "held_out": rows,

@@ -30,7 +30,8 @@ def curve_picture(path: Path, tool: dict[str, Any]) -> None:
             (below, "along", "-", "o", ", along the push"),
             (below, "across", ":", "x", ", across it"),
         ):
-            said, fem = row["curves"]["rendered"][part], row["curves"]["fem"][part]
+            scale = 1.0 if part == "normal" else 1e3
+            said, fem = (scale * np.array(row["curves"][source][part]) for source in ("rendered", "fem"))
             axes.plot(depth, said, line, color=RENDERED, lw=1.6, label="rendered" + word)
             axes.plot(
                 depth, fem, marker, color=FEM, mfc="none", ms=4.5, mew=1.1, label="finite elements" + word
@@ -41,7 +42,7 @@ def curve_picture(path: Path, tool: dict[str, Any]) -> None:
         below.set_xlabel("depth, mm", fontsize=9)
         below.set_xlim(0, 1.04e3 * tool["field"]["depth_max"])
     grid[0, 0].set_ylabel("normal force, N", fontsize=9)
-    grid[1, 0].set_ylabel("lateral push, N", fontsize=9)
+    grid[1, 0].set_ylabel("lateral push, mN", fontsize=9)
     grid[0, 0].legend(fontsize=8, frameon=False)
     handles, names = grid[1, 0].get_legend_handles_labels()
     figure.legend(handles, names, fontsize=8, frameon=False, loc="outside lower center", ncols=4)

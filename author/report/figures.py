@@ -89,7 +89,9 @@ def error_figure(validation: dict[str, Any] | None, noticeable: float) -> go.Fig
     figure.update_xaxes(range=[0, everything * 1.02], row=1, col=2)
     figure.update_yaxes(title_text="states", row=1, col=1)
     figure.update_yaxes(title_text="%", range=[0, 102], row=1, col=2)
-    figure.update_layout(legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": -0.2, "yanchor": "top"})
+    figure.update_layout(
+        legend={"orientation": "h", "x": 1.0, "xanchor": "right", "y": -0.2, "yanchor": "top"}
+    )
     return _dressed(figure, 390)
 
 
@@ -107,25 +109,26 @@ def worst_figure(tool: dict[str, Any]) -> go.Figure | None:
         drawn = [(1, "normal", "solid"), (2, "along", "solid"), (2, "across", "dot")]
         for line, part, dash in drawn:
             first = column == 1
+            scale, unit = (1.0, "N") if part == "normal" else (1e3, "mN")
             figure.add_scatter(
-                x=depth, y=row["curves"]["rendered"][part], row=line, col=column, mode="lines",
+                x=depth, y=scale * np.array(row["curves"]["rendered"][part]), row=line, col=column, mode="lines",
                 line={"color": RENDERED, "width": 2, "dash": dash}, showlegend=first and part != "along",
                 name="rendered" if part == "normal" else "rendered, across the push",
-                hovertemplate="%{x:.2f} mm: %{y:.4f} N<extra>rendered, " + part + "</extra>",
+                hovertemplate="%{x:.2f} mm: %{y:.4g} " + unit + "<extra>rendered, " + part + "</extra>",
             )  # fmt: skip
             figure.add_scatter(
-                x=depth, y=row["curves"]["fem"][part], row=line, col=column, mode="markers",
+                x=depth, y=scale * np.array(row["curves"]["fem"][part]), row=line, col=column, mode="markers",
                 marker={"color": FEM, "size": 6, "symbol": "circle-open" if part != "across" else "x-thin",
                         "line": {"width": 1.5, "color": FEM}},
                 name="finite elements" if part == "normal" else "finite elements, across",
                 showlegend=first and part != "along",
-                hovertemplate="%{x:.2f} mm: %{y:.4f} N<extra>finite elements, " + part + "</extra>",
+                hovertemplate="%{x:.2f} mm: %{y:.4g} " + unit + "<extra>finite elements, " + part + "</extra>",
             )  # fmt: skip
     figure.update_xaxes(range=[0, 1.04e3 * tool["field"]["depth_max"]])
     figure.update_xaxes(title_text="depth, mm", row=2)
     figure.update_yaxes(rangemode="tozero", row=1)
     figure.update_yaxes(title_text="normal, N", row=1, col=1)
-    figure.update_yaxes(title_text="lateral, N", row=2, col=1)
+    figure.update_yaxes(title_text="lateral, mN", row=2, col=1)
     figure.update_layout(legend={"orientation": "h", "y": -0.16, "x": 0})
     return _dressed(figure, 480)
 

@@ -275,6 +275,7 @@ def test_failures_are_shown_with_their_reason(html: str, report: dict[str, Any])
     assert "the patch has no good mesh" in [text for _, _, text in page.values]
     assert not report["tools"][0]["held_out"][-1]["converged"]
     assert report["tools"][0]["judged"]["converged"] == POINTS - 1
+    assert report["tools"][0]["judged"]["worst_places_missed"] == pytest.approx(0.95 ** (POINTS - 1))
 
 
 def test_bench_and_sizes_reach_the_page(html: str, report: dict[str, Any]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from palpate.author.report.held_out_rows import held_out_rows
 from palpate.author.report.numbers import asked, percent, significant, written
 from palpate.author.report.projection import WINDOW, Mesh, View
 from palpate.author.report.render import RenderFailure, render
@@ -101,3 +102,15 @@ def test_projection_is_where_the_renderer_draws() -> None:
     np.testing.assert_allclose(
         [columns.mean() + 0.5, rows.mean() + 0.5], pixels[0], atol=8.0
     )  # half is buried
+
+
+def test_remarks_of_the_runtime_leave_out_what_is_expected() -> None:
+    press = {
+        "contact_point": [0.0, 0.0, 0.0], "normal": [0.0, 0.0, 1.0], "converged": True, "reason": "", "moves": [],
+        "depth": [1e-3, 2e-3], "fem_force": [[0.0, 0.0, 0.1], [0.0, 0.1, 0.3]], "force_error": [None, 0.02],
+        "rendered_force": [[0.0, 0.0, 0.1], [0.0, 0.1, 0.3]], "lateral_error": [None, 0.0],
+    }  # fmt: skip
+    remark = lambda status: held_out_rows({"presses": [{**press, "status": status}]})[0]["runtime"]  # noqa: E731
+    assert remark([2, 3]) == ""  # slipping without friction; at depth_max within rounding
+    assert remark([1, 1]) == "deeper than pressed"
+    assert remark([0, 4]) == "out of reach, no force"

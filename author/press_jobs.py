@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
+from functools import cache
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +26,20 @@ from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
 
-__all__ = ["PressJob", "PressOutcome", "press_executor", "run_jobs"]
+__all__ = ["PressJob", "PressOutcome", "mechanics_version", "press_executor", "run_jobs", "tangents"]
 
-PRESS_VERSION = 1
-"""Raised when a change of the mechanics makes kept presses wrong."""
+MECHANICS = (
+    "assembly", "body", "conjugate_gradients", "contact", "equilibrium", "far_field", "linear_solver", "material",
+    "organ", "patch", "press", "quadratic_space", "site", "tool",
+)  # fmt: skip
+"""Modules whose text decides what a press finds: a record is kept for one text of them only."""
+
+
+@cache
+def mechanics_version() -> str:
+    """Hex digest of the mechanics' source."""
+    folder = files("palpate.fem_offline")
+    return digest([(folder / f"{name}.py").read_text() for name in MECHANICS])
 
 
 @dataclass(frozen=True)
@@ -55,7 +67,7 @@ class PressJob:
     refinement: float = 1.0
 
     def key(self, mesh: OrganMesh) -> str:
-        return digest({"organ": mesh.hash, "job": asdict(self), "version": PRESS_VERSION})
+        return digest({"organ": mesh.hash, "job": asdict(self), "mechanics": mechanics_version()})
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,8 @@ __all__ = ["ReachSamples", "farthest_points", "held_out_points", "reach_samples"
 
 THICKNESS_SHARE = 0.4
 """Deepest press over local thickness: beyond it a press feels the other side, and is refused."""
+CANDIDATES = 10
+"""Random draws from which each held-out point is chosen."""
 CREASE_TOLERANCE = 0.05
 """Allowed |phi - rho| / rho at the tool's reference point before contact."""
 
@@ -122,7 +124,22 @@ def farthest_points(samples: ReachSamples, count: int) -> np.ndarray:
 
 
 def held_out_points(samples: ReachSamples, count: int, seed: int) -> np.ndarray:
-    """(count,) indices of allowed samples drawn by seed, without repetition."""
+    """(count,) indices of allowed samples drawn by seed, kept apart by Mitchell's best candidate (1991).
+
+    Each point is the one of CANDIDATES random draws that lies farthest from the points before it: random, but no
+    two of a few points fall on the same spot.
+    """
     allowed = np.flatnonzero(samples.allowed)
+    points = samples.points[allowed]
     generator = np.random.default_rng(seed)
-    return generator.permutation(allowed)[: min(count, len(allowed))]
+    count = min(count, len(allowed))
+    distance = np.full(len(points), np.inf)
+    chosen: list[int] = []
+    while len(chosen) < count:
+        drawn = generator.integers(len(points), size=CANDIDATES)
+        best = int(drawn[np.argmax(distance[drawn])])
+        if distance[best] == 0.0:  # every draw was chosen before
+            best = int(np.argmax(distance))
+        chosen.append(best)
+        distance = np.minimum(distance, np.linalg.norm(points - points[best], axis=1))
+    return allowed[np.array(chosen, int)]

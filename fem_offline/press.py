@@ -30,8 +30,9 @@ __all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "press
 
 LOOSE = 3.0e-3
 """Residual at which multipliers are updated; a better one does not survive the update."""
-STICKING_TOLERANCE = 1.0e-2
-"""Of the linear solves for the sticking stiffness; its own error is the square of that."""
+STICKING_TOLERANCE = 1.0e-6
+"""Of the linear solves for the sticking stiffness.  The stiffness is a small difference of large numbers (the
+spring that holds the points is a thousand times stiffer than the tissue): 1e-2 was off by half."""
 
 
 @dataclass(frozen=True)
@@ -293,6 +294,7 @@ def _sticking_stiffness(site: Site, found: Equilibrium, stuck: Sticking) -> np.n
         return np.zeros((3, 3))
     body, surface = site.body, site.surface
     body.linearise(found.u, stuck.hessian(found.u, False), 0.0, stuck=True)
+    body.renew()
     free = body.equation >= 0
     load = stuck.load_of_translation(len(found.u))
     stiffness = np.zeros((3, 3))

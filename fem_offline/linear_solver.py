@@ -127,8 +127,11 @@ class Factor:
         if self._direct is None:
             upper = sparse.csr_matrix((values, self.column, self.row_start), shape=(self.n, self.n))
             full = upper + sparse.triu(upper, 1).T
-            lu = linalg.splu(full.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True},
-                             diag_pivot_thresh=0.0)
+            symmetric = {"SymmetricMode": True}
+            try:
+                lu = linalg.splu(full.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+            except RuntimeError as error:  # an exactly singular matrix
+                raise NotPositiveDefiniteError("a pivot of the matrix is not positive") from error
             if np.any(lu.U.diagonal() <= 0.0):
                 raise NotPositiveDefiniteError("a pivot of the matrix is not positive")
             self._lu = lu

@@ -99,6 +99,8 @@ def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize
     local = np.full(len(organ.points), -1)
     local[ids] = np.arange(len(ids))
     points, tets, label = organ.points[ids], local[organ.tets[carved]], organ.label[carved]
+    if organ.label_at is not None:  # the coarse labels' staircase is no border to keep
+        label = np.zeros_like(label)
     faces = boundary_faces(tets)
     surface_keys = _keys(organ.faces, len(organ.points))
     outer = np.isin(_keys(ids[faces], len(organ.points)), surface_keys)
@@ -113,6 +115,8 @@ def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize
     volumes = _volumes(points, tets)
     if volumes.min() <= 0.0:
         raise PatchError(f"{np.count_nonzero(volumes <= 0)} tetrahedra inverted on the curved surface at {centre}")
+    if organ.label_at is not None:
+        label = organ.label_at(points[tets].mean(axis=1))
     organ_vertex = np.full(len(points), -1)
     nodes = np.unique(faces[face_kind == INTERFACE])
     if len(nodes):
@@ -152,7 +156,8 @@ def _remesh(points, tets, label, faces, face_kind, centre, size: PatchSize):
     target = np.clip(size.finest + size.growth * away, size.finest, size.coarsest)
     mesh["metric"] = (target / MILLIMETRE)[:, None]
     try:
-        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 2.5 * size.growth, verbose=-1)
+        # hgradreq -1: else the interface's coarse triangles spread their size inwards and the contact stays coarse
+        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 2.5 * size.growth, hgradreq=-1.0, verbose=-1)
     except RuntimeError as error:
         raise PatchError(f"mmg failed at {centre}: {error}") from error
     tets, refs = mesh.get_tetrahedra_with_refs()

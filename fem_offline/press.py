@@ -253,7 +253,7 @@ def press(
             wanted = moves(index, PressState(site.normal, touch.force, stiffness))
             if wanted is not None:
                 ladders.append(_lateral_ladder(site, found, stuck, float(depth), wanted, settings, ladder))
-        except EquilibriumError as error:
+        except (EquilibriumError, ArithmeticError) as error:  # a linear solve of the stuck contact may fail too
             reason = f"stopped before {depth * 1e3:.2f} mm: {error}"
             break
         progress(float(depth))
@@ -332,12 +332,11 @@ def _lateral_ladder(
 
 
 def _work_mismatch(depth: np.ndarray, force: np.ndarray, energy: np.ndarray) -> float:
-    """Largest |W - integral f dd| / W_end; cubic spline through f in sqrt-like abscissa would gain nothing here."""
-    if len(depth) < 4:
+    """Largest |W - integral f dd| / W_end, with f ~ d^n between neighbours: (f2 d2 - f1 d1) / (n + 1)."""
+    if len(depth) < 3 or not np.all(force[1:] > 0.0):
         return 0.0
-    from scipy.interpolate import CubicSpline
-
-    # f ~ d^1.5 near touch: integrate f in s = sqrt(d), where it is smooth: integral f dd = integral f 2 s ds
-    s = np.sqrt(depth)
-    work = CubicSpline(s, force * 2.0 * s).antiderivative()(s)
-    return float(np.max(np.abs(energy - work)) / max(energy[-1], 1e-300))
+    d, f = depth[1:], force[1:]
+    n = np.diff(np.log(f)) / np.diff(np.log(d))
+    # up to the first depth, n = 1.5 (Hertz)
+    work = np.concatenate([[0.0], np.cumsum(np.diff(f * d) / (n + 1.0))]) + f[0] * d[0] / 2.5
+    return float(np.max(np.abs(energy[1:] - work)) / max(energy[-1], 1e-300))

@@ -93,8 +93,9 @@ def energy_rows(record: PressRecord) -> Iterator[Row]:
     k = 1 + int(np.argmax(off))
     name, reference = "dW/dd = f, worst of the inner depths", "spline through ln W over ln d"
     yield Row(name, reference, float(slope[k] / force[k]), float(off[k - 1]), 0.01)
-    s = np.sqrt(record.depth)
-    work = float(CubicSpline(s, 2.0 * s * record.force).integrate(0.0, s[-1]))
+    # f ~ d^n between neighbours (d^1.5 up to the first) integrates to (f2 d2 - f1 d1) / (n + 1)
+    n = np.diff(np.log(force)) / np.diff(np.log(depth))
+    work = float(force[0] * depth[0] / 2.5 + np.sum(np.diff(force * depth) / (n + 1.0)))
     yield against("stored energy", "work of the force", float(energy[-1]), work, 0.01)
 
 

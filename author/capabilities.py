@@ -24,7 +24,7 @@ CAPABILITIES: dict[str, Any] = {
     "smallest Poisson's ratio": 0.3,
     "largest Poisson's ratio": 0.495,
     "USD organ surfaces": False,
-    "regions": False,
+    "regions": True,
     "capsule": False,
     "painted stiffness": False,
     "support kinds": ("fixed",),

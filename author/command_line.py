@@ -254,7 +254,7 @@ def _press_lines(result: dict[str, Any]) -> str:
     rows = zip(result["depth"], result["force"], result["energy"], strict=True)
     lines = ["depth (mm)  force (N)  energy (mJ)"]
     lines += [f"{1e3 * d:10.3f}  {f:9.4f}  {1e3 * u:11.5f}" for d, f, u in rows]
-    state = "converged" if result["converged"] else "did not converge"
+    state = "converged" if result["converged"] else f"NOT converged: {result['reason']}"
     return "\n".join([*lines, f"{state}, {result['unknowns']} unknowns, {result['seconds']:.1f} s"])
 
 

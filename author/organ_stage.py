@@ -20,7 +20,7 @@ from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts
 from palpate.author.plan import planned_mesh_size
 from palpate.author.scene import Scene
-from palpate.author.scene_tables import Material, Support
+from palpate.author.scene_tables import Material, Region, Support
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
 from palpate.fem_offline.errors import MeshError
@@ -60,6 +60,7 @@ class OrganMesh:
     name: str
     material: Material
     supports: tuple[Support, ...]
+    regions: tuple[Region, ...]
     report: dict[str, Any]
     hash: str
 
@@ -70,6 +71,13 @@ class OrganMesh:
             inside |= support.contains(points)
         return inside
 
+    def label_at(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) m -> (n,) int; 0: the organ's tissue, k: the scene's k-th region; later regions win."""
+        label = np.zeros(len(points), int)
+        for k, region in enumerate(self.regions, start=1):
+            label[region.contains(points)] = k
+        return label
+
     @cached_property
     def distance(self) -> SignedDistance:
         return SignedDistance(self.vertices, self.triangles)
@@ -77,15 +85,16 @@ class OrganMesh:
     @cached_property
     def organ(self) -> Organ:
         """The mechanics' view."""
-        label = np.zeros(len(self.tets), int)
+        materials = [self.material, *(region.material for region in self.regions)]
         return Organ(
             self.points,
             self.tets.astype(np.int64),
-            {0: solid_of(self.material)},
-            label,
+            {k: solid_of(material) for k, material in enumerate(materials)},
+            self.label_at(self.points[self.tets].mean(axis=1)),
             self.held,
             self.distance.project,
             self.hash,
+            self.label_at if self.regions else None,
         )
 
     def geometry(self, reach: np.ndarray) -> OrganGeometry:
@@ -107,19 +116,22 @@ class OrganMesh:
             tet_points=self.points,
             tet_indices=self.tets.astype(np.int32),
             supports=tuple(supports),
-            region_names=("tissue",),
-            region_label=np.zeros(len(self.tets), np.int32),
+            region_names=("tissue", *(region.name for region in self.regions)),
+            region_label=organ.label.astype(np.int32),
             reach_triangles=np.flatnonzero(reach).astype(np.int32),
-            material={
-                "model": self.material.model,
-                "youngs_modulus": solid_of(self.material).youngs_modulus,
-                "poissons_ratio": self.material.poissons_ratio,
-            },
+            material=_material_values(self.material),
+            region_materials={region.name: _material_values(region.material) for region in self.regions},
             provenance={"surface": self.report["surface"], "mesh": self.report["mesh"]},
         )
 
     def __getstate__(self) -> dict[str, Any]:
         return {k: v for k, v in self.__dict__.items() if k not in ("distance", "organ")}
+
+
+def _material_values(material: Material) -> dict[str, Any]:
+    solid = solid_of(material)
+    values = {"youngs_modulus": solid.youngs_modulus, "poissons_ratio": solid.poissons_ratio}
+    return {"model": material.model, **values}
 
 
 def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
@@ -155,6 +167,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
             "surface": hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest(),
             "material": table.material.hash_inputs(),
             "supports": [support.hash_inputs() for support in table.support],
+            "regions": [region.hash_inputs() for region in table.region],
         }
     )
     mesh = OrganMesh(
@@ -165,6 +178,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         scene.name,
         table.material,
         table.support,
+        table.region,
         {"surface": surface_report, "mesh": mesh_report},
         identity,
     )

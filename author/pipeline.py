@@ -191,6 +191,7 @@ class _ToolWork:
                 "name": scene.name,
                 "effects": list(scene.effects),
                 "support": [s.model_dump(mode="json", exclude_none=True) for s in scene.organ.support],
+                "region": [r.model_dump(mode="json", exclude_none=True) for r in scene.organ.region],
                 "reach": scene.reach.model_dump(mode="json", exclude_none=True),
                 "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
                 "tool": self.tool.model_dump(mode="json", exclude_none=True),

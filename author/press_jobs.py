@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, ProcessPoolExecutor, wait
@@ -170,7 +171,15 @@ def _moves(job: PressJob):
     return moves
 
 
-def _start_worker(slots) -> None:
+def _follow_parent(parent: int) -> None:
+    """End this process when the one that started it is gone, however it went."""
+    while os.getppid() == parent:
+        time.sleep(1.0)
+    os._exit(1)
+
+
+def _start_worker(slots, parent: int) -> None:
+    threading.Thread(target=_follow_parent, args=(parent,), daemon=True).start()
     slot = slots.get()
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "palpate" / f"warp-{slot}"
     os.environ["PALPATE_WARP_CACHE"] = str(cache)
@@ -190,7 +199,7 @@ def press_executor(workers: int | None = None) -> Iterator[Executor]:
         slots.put(slot)
     threads = {name: os.environ.get(name) for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS")}
     os.environ.update(dict.fromkeys(threads, "1"))
-    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker, initargs=(slots,))
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker, initargs=(slots, os.getpid()))
     try:
         yield executor
     except BaseException:

@@ -20,7 +20,7 @@ from palpate.author.pipeline import TRUTH, ladder
 from palpate.author.press_jobs import press_executor, run_jobs
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import held_out_points, reach_samples
-from palpate.author.scene_tables import Material, Reach, Support
+from palpate.author.scene_tables import Material, Reach, Region, Support
 from palpate.author.store import Store
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField
@@ -39,6 +39,7 @@ def mesh_of_asset(organ: OrganGeometry, field: ResponseField) -> OrganMesh:
         organ.name,
         Material.model_validate(scene["material"]),
         tuple(Support.model_validate(support) for support in scene["support"]),
+        tuple(Region.model_validate(region) for region in scene["region"]),
         organ.provenance,
         field.provenance["organ"],
     )

@@ -86,7 +86,7 @@ class NearBody:
         contact_faces: np.ndarray,
     ) -> None:
         self.nodes = space.nodes
-        self.system = ElementSystem(space, organ.parameters(patch.label))
+        self.system = ElementSystem(space, organ.parameters_of(patch.points, patch.tets, patch.label))
         self.interface = interface
         self.far = far
         self.contact_faces = contact_faces
@@ -188,7 +188,7 @@ class FullBody:
             np.concatenate([space.volumes, organ.space.volumes[outside]]),
             space.edge_nodes,
         )
-        parameters = np.concatenate([near.system.parameters, organ.parameters(organ.label[outside])])
+        parameters = np.concatenate([near.system.parameters, organ.parameters[outside]])
         self.system = ElementSystem(full_space, parameters)
         held = np.union1d(near._held, index[np.intersect1d(organ.held_nodes, far_nodes)])
         self._held = held

@@ -15,10 +15,15 @@ from palpate.fem_offline.assembly import ElementSystem, HessianPattern, hessian_
 from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 
-__all__ = ["TET_FACES", "Organ", "boundary_faces", "faces_held"]
+__all__ = ["SAMPLES", "TET_FACES", "Organ", "boundary_faces", "faces_held"]
 
 TET_FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
 """Corners of the four faces of a positively oriented tetrahedron, outward."""
+
+
+_STEPS = [(i, j, k, 3 - i - j - k) for i in range(4) for j in range(4 - i) for k in range(4 - i - j)]
+SAMPLES = (np.array(_STEPS) + 0.25) / 4.0
+"""(20, 4) barycentric points spread evenly over a tetrahedron."""
 
 
 def boundary_faces(tets: np.ndarray) -> np.ndarray:
@@ -40,10 +45,12 @@ class Organ:
     Attributes:
         points: (P, 3) m; tets: (T, 4), positively oriented.
         material: of each region label.
-        label: (T,) region label of each tetrahedron.
+        label: (T,) region label of each tetrahedron (of its middle, where `label_at` is given).
         held: predicate of fixed supports, (n, 3) m -> (n,) bool; surface faces inside it are fixed.
         project: (n, 3) m -> points on the smooth surface and outward unit normals, both (n, 3).
         hash: hex digest of mesh, materials and supports.
+        label_at: (n, 3) m -> (n,) region labels.  With it, a tetrahedron cut by a region's border gets the mean of
+            the parameters at SAMPLES, so that the border is where the scene says and not where the mesh is.
     """
 
     points: np.ndarray
@@ -53,6 +60,7 @@ class Organ:
     held: Callable[[np.ndarray], np.ndarray]
     project: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
     hash: str
+    label_at: Callable[[np.ndarray], np.ndarray] | None = None
 
     @cached_property
     def space(self) -> QuadraticSpace:
@@ -69,10 +77,19 @@ class Organ:
         held = self.faces[faces_held(self.points, self.faces, self.held)]
         return np.unique(self.space.face_nodes(held)) if len(held) else np.zeros(0, int)
 
-    def parameters(self, label: np.ndarray) -> np.ndarray:
-        """(T, 3) Pa; kernel parameters of tetrahedra with these labels."""
+    def parameters_of(self, points: np.ndarray, tets: np.ndarray, label: np.ndarray) -> np.ndarray:
+        """(T, 3) Pa; kernel parameters of tetrahedra (T, 4) on points (P, 3) m with region labels (T,)."""
         table = np.array([self.material[k].parameters for k in sorted(self.material)])
-        return table[np.searchsorted(sorted(self.material), label)]
+        if self.label_at is None or len(self.material) == 1:
+            return table[np.searchsorted(sorted(self.material), label)]
+        x = np.einsum("sk,tkj->tsj", SAMPLES, points[tets])
+        found = self.label_at(x.reshape(-1, 3)).reshape(len(tets), len(SAMPLES))
+        return table[np.searchsorted(sorted(self.material), found)].mean(axis=1)
+
+    @cached_property
+    def parameters(self) -> np.ndarray:
+        """(T, 3) Pa; of the organ's own tetrahedra."""
+        return self.parameters_of(self.points, self.tets, self.label)
 
     @cached_property
     def pattern(self) -> HessianPattern:
@@ -85,7 +102,6 @@ class Organ:
         Args:
             tets: (T,) bool; which tetrahedra take part.
         """
-        parameters = self.parameters(self.label) * tets[:, None]
-        system = ElementSystem(self.space, parameters)
+        system = ElementSystem(self.space, self.parameters * tets[:, None])
         upper = self.pattern.matrix(system.hessian(np.zeros((self.space.node_count, 3)), self.pattern))
         return (upper + sparse.triu(upper, 1).T).tocsr()

@@ -32,6 +32,12 @@ __all__ = [
 ]
 
 
+FULL_SHARE = 2.0
+"""kappa_full over mu.  Measured on a ball over a thin soft layer (5 mm ball, 4 mm deep, a stiff nodule 6.5 mm down):
+with 1, elements hourglassed (smallest J 0.55 at 4 mm); with 2 it stays at 0.85, with 4 at 0.80.  Force on the same
+coarse mesh rises by 0.2 % from 1 to 2, 0.5 % to 4, 0.8 % to 8: the locking that full integration would bring."""
+
+
 def lame_parameters(youngs_modulus: float, poissons_ratio: float) -> tuple[float, float]:
     """Shear modulus mu and bulk modulus kappa, Pa, of small strains.
 
@@ -74,7 +80,7 @@ class NeoHookean:
     def parameters(self) -> tuple[float, float, float]:
         """(mu, kappa_full, kappa_centre), Pa: what the kernels take."""
         mu, kappa = self.shear_modulus, self.bulk_modulus
-        kappa_full = min(mu, kappa)
+        kappa_full = min(FULL_SHARE * mu, kappa)
         return mu, kappa_full, kappa - kappa_full
 
 

@@ -111,7 +111,9 @@ def open_site(
     held = np.union1d(held, shared[0][np.isin(shared[1], organ.held_nodes)])
     faces = space.face_nodes(_faces_that_may_touch(patch, centre, normal, tool, size))
     near = NearBody(organ, patch, space, held, interface, far, faces)
-    body: Body = near if fidelity == "near_field" else FullBody(near, organ, patch, shared)
+    # a patch that is the whole organ leaves nothing outside to be linear
+    near_is_all = fidelity == "near_field" or bool(carved.all())
+    body: Body = near if near_is_all else FullBody(near, organ, patch, shared)
     surface = contact_surface(space.nodes, faces)
     label = patch.label[np.argmin(np.linalg.norm(patch.points[patch.tets].mean(axis=1) - centre, axis=1))]
     return Site(centre, normal, body, surface, patch, organ.material[int(label)].youngs_modulus, fidelity)

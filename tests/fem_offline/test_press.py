@@ -144,6 +144,17 @@ def test_a_press_that_fails_says_where_and_why(site):
     assert not record.converged and "0.50 mm" in record.reason and len(record.depth) == 1
 
 
+def test_a_patch_that_is_the_whole_organ_is_pressed_at_either_fidelity():
+    organ = block_organ((0.03, 0.03, 0.02), (3, 3, 2), {0: NeoHookean(5400.0, 0.48)})
+    tall = replace(organ, project=lambda x: (x.copy(), np.tile([0.0, 0.0, 1.0], (len(x), 1))))
+    size = patch_size(TOOL, 4e-3, radius=1.0)
+    near, full = (
+        press(open_site(tall, np.zeros(3), TOOL, size, f), TOOL, DEPTHS[:2]) for f in ("near_field", "full")
+    )
+    assert near.converged and full.force == pytest.approx(near.force, rel=1e-3)
+    assert near.reaction_error.max() < 1e-8
+
+
 def test_split_kappa_bends_where_linear_tetrahedra_lock():
     for row in locking_rows(confined=False):
         assert row.met, f"{row.name}: {row.value:.3f}"

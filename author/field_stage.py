@@ -15,6 +15,7 @@ from palpate.author.sampling import ReachSamples
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.fem_offline.tool import Sphere
+from palpate.fields.as_cooked import as_cooked
 from palpate.fields.build_field import build_field
 from palpate.fields.contact_geometry import contact_geometry
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
@@ -54,7 +55,9 @@ def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) ->
     low, high = band_of(scene)
     around = REACH_MARGIN + max(abs(low), abs(high)) + 5e-3
     bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
-    return contact_geometry(mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=REACH_MARGIN)
+    return contact_geometry(
+        mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=REACH_MARGIN
+    )
 
 
 def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
@@ -72,7 +75,14 @@ def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
             work = -(s @ force[k]) + 0.5 * np.einsum("mi,ij,mj->m", s, stiffness, s)
             ladders.append(LateralLadder(float(a["depth"][k]), s, change, work))
     return PressArrays(
-        a["contact_point"], normal, a["depth"], force, a["energy"], tuple(ladders), friction or 0.0, outcome.key
+        a["contact_point"],
+        normal,
+        a["depth"],
+        force,
+        a["energy"],
+        tuple(ladders),
+        friction or 0.0,
+        outcome.key,
     )
 
 
@@ -99,9 +109,13 @@ def field_of(
             usable.append(press)
         if reason:
             point = list(outcome.job.contact_point)
-            failures.append({"tool": tool.name, "contact_point": point, "reason": reason, "hash": outcome.key})
+            failures.append(
+                {"tool": tool.name, "contact_point": point, "reason": reason, "hash": outcome.key}
+            )
     count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
     reference = tool_reference(tool)
     nodes = fit_nodes(usable, uniform_knots(depth_max, count), reference.offset, geometry)
-    field = build_field(nodes, geometry, reference, samples.beyond(mesh), margin=REACH_MARGIN, provenance=provenance)
-    return field, failures
+    field = build_field(
+        nodes, geometry, reference, samples.beyond(mesh), margin=REACH_MARGIN, provenance=provenance
+    )
+    return as_cooked(field), failures

@@ -51,7 +51,11 @@ def held_out_jobs(
     for point in points:
         angles = generator.uniform(0.0, 2.0 * np.pi, 2)
         last = len(depths) - 1
-        moves = (((last // 4) * 2 + 1, REACHED, float(angles[0])), (last, REACHED, float(angles[1]))) if friction else ()
+        moves = (
+            (((last // 4) * 2 + 1, REACHED, float(angles[0])), (last, REACHED, float(angles[1])))
+            if friction
+            else ()
+        )
         jobs.append(
             PressJob(tuple(map(float, point)), radius, tuple(map(float, depths)), fidelity, moves, friction)
         )
@@ -141,7 +145,11 @@ def percentiles(values: Sequence[float | None]) -> dict[str, float] | None:
 
 
 def judgement(
-    field: Field, offset: float, outcomes: Sequence[PressOutcome], near: Sequence[PressOutcome], tolerance: float
+    field: Field,
+    offset: float,
+    outcomes: Sequence[PressOutcome],
+    near: Sequence[PressOutcome],
+    tolerance: float,
 ) -> dict[str, Any]:
     """Held-out errors of one tool.
 

@@ -199,7 +199,11 @@ class _ToolWork:
             },
             "organ": mesh.hash,
             "tool": self.reference.hash,
-            "presses": {"mechanics": mechanics_version(), "fidelity": scene.accuracy.fidelity, "depths": LADDER_STEPS},
+            "presses": {
+                "mechanics": mechanics_version(),
+                "fidelity": scene.accuracy.fidelity,
+                "depths": LADDER_STEPS,
+            },
             "seed": self.seed,
             "versions": _versions(),
         }

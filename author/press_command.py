@@ -47,11 +47,18 @@ def press(
         store = Store(Path(folder))
         mesh = mesh_organ(scene, store)
         contact, normal = mesh.distance.project(np.array([at]))
-        if mesh.distance(contact - depth * normal)[0] > 0.0 or mesh.distance(contact - 2.5 * depth * normal)[0] > 0.0:
-            what = f"presses {1e3 * depth:.1f} mm deep where the tissue is thinner than {2.5e3 * depth:.1f} mm"
+        if (
+            mesh.distance(contact - depth * normal)[0] > 0.0
+            or mesh.distance(contact - 2.5 * depth * normal)[0] > 0.0
+        ):
+            what = (
+                f"presses {1e3 * depth:.1f} mm deep where the tissue is thinner than {2.5e3 * depth:.1f} mm"
+            )
             raise InputError(scene.problem("--depth", depth, what, "at most 40 % of the local thickness"))
         if mesh.held(contact)[0]:
-            raise InputError(scene.problem("--at", list(at), "lies on a support", "a free place on the surface"))
+            raise InputError(
+                scene.problem("--at", list(at), "lies on a support", "a free place on the surface")
+            )
         job = PressJob(
             tuple(map(float, contact[0])),
             reference.offset,
@@ -75,7 +82,10 @@ def press(
         "penetration": arrays["penetration"],
         "residual": float(arrays["residual"].max()),
         "lateral": values["lateral"],
-        **{name: values[name] for name in ("converged", "reason", "unknowns", "work_mismatch", "newton_steps")},
+        **{
+            name: values[name]
+            for name in ("converged", "reason", "unknowns", "work_mismatch", "newton_steps")
+        },
         "fidelity": fidelity,
         "seconds": values["seconds"],
         "cpu_seconds": values["cpu_seconds"],

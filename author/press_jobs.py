@@ -199,7 +199,9 @@ def press_executor(workers: int | None = None) -> Iterator[Executor]:
         slots.put(slot)
     threads = {name: os.environ.get(name) for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS")}
     os.environ.update(dict.fromkeys(threads, "1"))
-    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker, initargs=(slots, os.getpid()))
+    executor = ProcessPoolExecutor(
+        count, mp_context=context, initializer=_start_worker, initargs=(slots, os.getpid())
+    )
     try:
         yield executor
     except BaseException:

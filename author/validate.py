@@ -73,7 +73,12 @@ def validate(
     chosen = held_out_points(samples, points, seed)
     friction = (scene["tool"].get("friction") or 0.0) if "friction" in scene["effects"] else 0.0
     jobs = held_out_jobs(
-        samples.points[chosen], field.tool.parameters["radius"], ladder(field.depth_max), friction, TRUTH, seed
+        samples.points[chosen],
+        field.tool.parameters["radius"],
+        ladder(field.depth_max),
+        friction,
+        TRUTH,
+        seed,
     )
     folder = asset if asset.is_dir() else asset.parent
     with tempfile.TemporaryDirectory() as scratch:

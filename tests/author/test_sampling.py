@@ -1,0 +1,77 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Places on a block of 80 x 60 x 30 mm, held at its bottom."""
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+
+from palpate.assets import scene_path
+from palpate.author.organ_stage import OrganMesh
+from palpate.author.sampling import farthest_points, held_out_points, reach_samples
+from palpate.author.scene import load_scene
+from palpate.fem_offline.surface import load_surface, repair_surface
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return load_scene(scene_path("palpation_block"))
+
+
+@pytest.fixture(scope="module")
+def mesh(scene) -> OrganMesh:
+    surface = repair_surface(load_surface(scene.organ.surface, "m"))
+    none = np.zeros((0, 3))
+    return OrganMesh(
+        surface.vertices,
+        surface.triangles,
+        none,
+        none,
+        "block",
+        scene.organ.material,
+        scene.organ.support,
+        (),
+        {},
+        "h",
+    )
+
+
+@pytest.fixture(scope="module")
+def samples(scene, mesh):
+    return reach_samples(mesh, scene.reach, 5e-3, 4e-3)
+
+
+def test_samples_lie_on_the_surface_inside_the_reach_and_off_the_supports(scene, mesh, samples):
+    assert np.abs(mesh.distance(samples.points)).max() < 1e-9
+    assert scene.reach.contains(samples.points).all()
+    assert not mesh.held(samples.points).any()
+    assert np.allclose(np.linalg.norm(samples.normals, axis=1), 1.0)
+
+
+def test_samples_leave_no_hole(scene, mesh, samples):
+    centres = mesh.vertices[mesh.triangles].mean(axis=1)
+    inside = np.linalg.norm(centres - np.array([0.014, 0.004, 0.03]), axis=1) < 17e-3
+    beyond = samples.beyond(mesh)(centres[inside])
+    assert beyond.max() < samples.spacing
+
+
+def test_farthest_points_are_spread_better_than_random_ones(samples):
+    nodes = samples.points[farthest_points(samples, 16)]
+    drawn = np.random.default_rng(0).choice(len(samples.points), (50, 16))
+    assert pdist(nodes).min() > 2.0 * np.median([pdist(samples.points[d]).min() for d in drawn])
+    again = samples.points[farthest_points(samples, 10)]
+    assert np.array_equal(again, nodes[:10])
+
+
+def test_held_out_points_follow_their_seed_and_never_coincide(samples):
+    first, second = held_out_points(samples, 8, 1), held_out_points(samples, 8, 1)
+    assert np.array_equal(first, second)
+    assert not np.array_equal(first, held_out_points(samples, 8, 2))
+    assert len(set(first)) == 8
+    assert pdist(samples.points[first]).min() > 2e-3
+
+
+def test_tissue_too_thin_for_the_depth_is_left_out_and_counted(scene, mesh):
+    deep = reach_samples(mesh, scene.reach, 5e-3, 13e-3)  # 30 mm thick: at most 12 mm
+    assert not deep.allowed.any()
+    assert any("thinner" in reason for reason in deep.left_out)

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "contract.h"
 #include "rfield_layout.h"
 
 namespace palpate {
@@ -44,8 +45,9 @@ struct palpate_field {
     palpate::lattice amplitudes;
     const float* amplitude_coefficients;
     std::int32_t channel_stride;  // floats
-    std::int32_t channels;           // in use, rounded up to an even count
-    std::int32_t gradient_channels;  // the first ones, which hold the energy's and need gradients; even
+    std::int32_t channels;           // in use, rounded up to a multiple of 4
+    std::int32_t gradient_channels;  // the first ones, which hold the energy's and need gradients; likewise
+    const palpate::contraction* contract;  // for this processor
 
     palpate::depth_curves energy;
     palpate::depth_curves stiffness;

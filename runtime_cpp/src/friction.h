@@ -1,7 +1,27 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
+// Friction as a tangential spring that holds while contact sticks and yields when it slips, after V. Hayward and
+// B. Armstrong, A new computational model of friction applied to haptic rendering (2000), eq. 3; with a stiffness
+// that depends on place and depth, and written so that its energy E = 1/2 k |s|^2 rises by the hand's work alone.
+//
+// carry    s' = s + P dq, P = I - n n^T.  With f = -k s:  E' - E = k s . dq + 1/2 k |P dq|^2, the hand's work plus the
+//          zero-order hold's share.
+// turn     s is transported by the smallest rotation that takes n to n':
+//              s' = s - (s . n') / (1 + n . n') (n + n'),
+//          for which s' . n' = 0 and |s'|^2 = |s|^2 - 2 (s.n')^2 / (1 + c) + 2 (s.n')^2 / (1 + c) = |s|^2, c = n . n'.
+//          So E stays.  Projecting s onto the new plane instead would also never raise E, but a tool held still in
+//          the tangent plane while the organ curves under it would lose its grip a little with every tick.
+// stiffen  k' > k: s' = s k / k', E' = 1/2 k^2 / k' |s|^2 < E (contact that grows carries no shear yet).
+//          k' < k: s' = s, E' = 1/2 k' |s|^2 < E.
+// yield    s' = s limit / |k s|, E' <= E.
+// Each of the three is a contraction of s or of k, so E falls or stays whatever the field's k, mu and curvature are.
+// Everything is inline: a tick waits for these few operations, not for their calls.
 #ifndef PALPATE_SRC_FRICTION_H
 #define PALPATE_SRC_FRICTION_H
+
+#include <cmath>
+
+#include "vec.h"
 
 namespace palpate {
 
@@ -13,22 +33,53 @@ struct friction_spring {
 };
 
 // 1/2 k |s|^2, J
-double spring_energy(const friction_spring& spring) noexcept;
+inline double spring_energy(const friction_spring& spring) noexcept {
+    return 0.5 * spring.stiffness * dot(spring.stretch, spring.stretch);
+}
 
 // A spring that was just set down: no stretch, this normal, no stiffness.
-void touch_down(friction_spring& spring, const double normal[3]) noexcept;
+inline void touch_down(friction_spring& spring, const double normal[3]) noexcept {
+    spring = friction_spring{};
+    for (int a = 0; a < 3; ++a) spring.normal[a] = normal[a];
+}
 
 // The hand moved the tool by `step` (m): s += the part of step orthogonal to the normal; k and normal stay.
-void carry(friction_spring& spring, const double step[3]) noexcept;
+inline void carry(friction_spring& spring, const double step[3]) noexcept {
+    double s[3];
+    for (int a = 0; a < 3; ++a) s[a] = spring.stretch[a] + step[a];
+    const double out = dot(s, spring.normal);  // of step alone, up to rounding that must not pile up
+    for (int a = 0; a < 3; ++a) spring.stretch[a] = s[a] - out * spring.normal[a];
+}
 
 // The normal becomes `normal` (unit, less than a right angle away): s turns with it.  Energy stays.
-void turn(friction_spring& spring, const double normal[3]) noexcept;
+inline void turn(friction_spring& spring, const double normal[3]) noexcept {
+    const double c = 1.0 + dot(spring.normal, normal);
+    const double share = dot(spring.stretch, normal) / c;
+    for (int a = 0; a < 3; ++a) {
+        spring.stretch[a] -= share * (spring.normal[a] + normal[a]);
+        spring.normal[a] = normal[a];
+    }
+}
 
 // The stiffness becomes `stiffness` >= 0: where it rises k s stays, where it falls s stays.  Energy does not rise.
-void stiffen(friction_spring& spring, double stiffness) noexcept;
+inline void stiffen(friction_spring& spring, double stiffness) noexcept {
+    if (stiffness > spring.stiffness) {
+        const double share = spring.stiffness / stiffness;
+        for (int a = 0; a < 3; ++a) spring.stretch[a] *= share;
+    } else if (!(stiffness > 0.0)) {
+        for (int a = 0; a < 3; ++a) spring.stretch[a] = 0.0;  // no spring: nothing to stretch
+    }
+    spring.stiffness = stiffness;
+}
 
 // Slips until |k s| <= limit (N, >= 0); true when it had to.  Energy does not rise.
-bool yield(friction_spring& spring, double limit) noexcept;
+inline bool yield(friction_spring& spring, double limit) noexcept {
+    const double force_squared = spring.stiffness * spring.stiffness * dot(spring.stretch, spring.stretch);
+    if (!(force_squared > limit * limit)) return false;
+    const double share = limit / std::sqrt(force_squared);
+    for (int a = 0; a < 3; ++a) spring.stretch[a] *= share;
+    return true;
+}
 
 }  // namespace palpate
 

@@ -1,67 +1,142 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
-// Two doubles side by side, which every 64-bit machine has.  Each lane does the IEEE operations that scalar code
-// would, so results do not depend on how the compiler maps it.  (Four doubles as one 32-byte vector made gcc 12 go through
-// memory without AVX: three times slower.)
+// Four doubles side by side.  Each lane does the IEEE operations that scalar code would, in the same order and without
+// fused operations, so results do not depend on how wide the machine is: with AVX2 one register, else two of two
+// lanes (a 32-byte vector without AVX makes gcc 12 go through memory: three times slower), else scalars.
+// Included by the files that are compiled once for each instruction set; PALPATE_ISA names their namespace.
 #ifndef PALPATE_SRC_LANES_H
 #define PALPATE_SRC_LANES_H
 
 #include <cstdint>
 #include <cstring>
 
-#if defined(__SSE2__)
+#if defined(__AVX2__)
+#include <immintrin.h>
+#elif defined(__SSE2__)
 #include <emmintrin.h>
 #endif
 
-// Before a loop of three turns whose body must not pay for its counter.
+// Before a loop of three turns whose body must not pay for its counter; and before one whose body, unrolled, would not
+// fit the registers.
 #if defined(__clang__)
 #define PALPATE_UNROLL_3 _Pragma("clang loop unroll(full)")
+#define PALPATE_NO_UNROLL _Pragma("clang loop unroll(disable)")
 #elif defined(__GNUC__)
 #define PALPATE_UNROLL_3 _Pragma("GCC unroll 3")
+#define PALPATE_NO_UNROLL _Pragma("GCC unroll 1")
 #else
 #define PALPATE_UNROLL_3
+#define PALPATE_NO_UNROLL
 #endif
 
 namespace palpate {
+namespace PALPATE_ISA {
+
+#if defined(__AVX2__)
+
+struct quad {
+    __m256d v;
+};
+inline quad all(double x) noexcept { return {_mm256_set1_pd(x)}; }
+inline quad three(const double x[3]) noexcept { return {_mm256_set_pd(0.0, x[2], x[1], x[0])}; }
+inline quad operator+(quad a, quad b) noexcept { return {_mm256_add_pd(a.v, b.v)}; }
+inline quad operator*(quad a, quad b) noexcept { return {_mm256_mul_pd(a.v, b.v)}; }
+inline void store(double* to, quad a) noexcept { _mm256_storeu_pd(to, a.v); }
+// Four floats from memory.
+inline quad load(const float* from) noexcept { return {_mm256_cvtps_pd(_mm_loadu_ps(from))}; }
+
+// Cuts four int16, beginning with number `place` (0..3), out of two runs of four, and gives each times cut_scale: an int16
+// in the upper half of an int32 needs no sign extension.
+constexpr double cut_scale = 65536.0;
+struct cutter {
+    __m128i pattern;
+    explicit cutter(std::int64_t place) noexcept {
+        const __m128i from_first = _mm_set_epi8(7, 6, -1, -1, 5, 4, -1, -1, 3, 2, -1, -1, 1, 0, -1, -1);
+        // -1 (write zero) stays negative
+        const __m128i shift = _mm_set1_epi32(static_cast<int>(static_cast<std::uint32_t>(place) * 0x02020000u));
+        pattern = _mm_add_epi8(from_first, shift);
+    }
+    quad operator()(const std::int16_t* own, const std::int16_t* next) const noexcept {
+        const __m128 first = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(own)));
+        const __m128 both = _mm_loadh_pi(first, reinterpret_cast<const __m64*>(next));
+        return {_mm256_cvtepi32_pd(_mm_shuffle_epi8(_mm_castps_si128(both), pattern))};
+    }
+};
+
+// (a0 + a1 + a2, b0 + b1 + b2, c0 + c1 + c2, d0 + d1 + d2), each from left to right; the fourth lanes are left out.
+inline quad sums_of_three(quad a, quad b, quad c, quad d) noexcept {
+    const __m256d ab_even = _mm256_unpacklo_pd(a.v, b.v), ab_odd = _mm256_unpackhi_pd(a.v, b.v);
+    const __m256d cd_even = _mm256_unpacklo_pd(c.v, d.v), cd_odd = _mm256_unpackhi_pd(c.v, d.v);
+    const __m256d first = _mm256_permute2f128_pd(ab_even, cd_even, 0x20);
+    const __m256d second = _mm256_permute2f128_pd(ab_odd, cd_odd, 0x20);
+    const __m256d third = _mm256_permute2f128_pd(ab_even, cd_even, 0x31);
+    return {_mm256_add_pd(_mm256_add_pd(first, second), third)};
+}
+
+#else
 
 #if defined(__GNUC__)
 typedef double pair __attribute__((vector_size(16)));
-inline pair both(double x) noexcept { return pair{x, x}; }
 #else
 struct pair {
     double v[2];
     double operator[](int i) const noexcept { return v[i]; }
 };
-inline pair both(double x) noexcept { return {{x, x}}; }
 inline pair operator+(const pair& a, const pair& b) noexcept { return {{a.v[0] + b.v[0], a.v[1] + b.v[1]}}; }
 inline pair operator*(const pair& a, const pair& b) noexcept { return {{a.v[0] * b.v[0], a.v[1] * b.v[1]}}; }
-inline pair& operator+=(pair& a, const pair& b) noexcept { return a = a + b; }
 #endif
 
-// Two floats from memory, as doubles.
-inline pair load_pair(const float* from) noexcept {
+struct quad {
+    pair low, high;
+};
+inline quad all(double x) noexcept { return {pair{x, x}, pair{x, x}}; }
+inline quad three(const double x[3]) noexcept { return {pair{x[0], x[1]}, pair{x[2], 0.0}}; }
+inline quad operator+(const quad& a, const quad& b) noexcept { return {a.low + b.low, a.high + b.high}; }
+inline quad operator*(const quad& a, const quad& b) noexcept { return {a.low * b.low, a.high * b.high}; }
+inline void store(double* to, const quad& a) noexcept {
+    to[0] = a.low[0];
+    to[1] = a.low[1];
+    to[2] = a.high[0];
+    to[3] = a.high[1];
+}
+inline quad load(const float* from) noexcept {
 #if defined(__SSE2__)
-    __m128i bits = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
-    return _mm_cvtps_pd(_mm_castsi128_ps(bits));
+    const __m128 four = _mm_loadu_ps(from);
+    return {_mm_cvtps_pd(four), _mm_cvtps_pd(_mm_movehl_ps(four, four))};
 #else
-    return pair{static_cast<double>(from[0]), static_cast<double>(from[1])};
+    const auto at = [from](int i) { return static_cast<double>(from[i]); };
+    return {pair{at(0), at(1)}, pair{at(2), at(3)}};
 #endif
 }
 
-// Four int16, the lowest bits first, as doubles.
-inline void unpack_counts(std::uint64_t bits, pair& low, pair& high) noexcept {
+constexpr double cut_scale = 65536.0;
+struct cutter {
+    std::int64_t place;
+    explicit cutter(std::int64_t first) noexcept : place(first) {}
+    quad operator()(const std::int16_t* own, const std::int16_t* next) const noexcept {
 #if defined(__SSE2__) && defined(__x86_64__)
-    const __m128i packed = _mm_cvtsi64_si128(static_cast<long long>(bits));
-    const __m128i wide = _mm_srai_epi32(_mm_unpacklo_epi16(packed, packed), 16);
-    low = _mm_cvtepi32_pd(wide);
-    high = _mm_cvtepi32_pd(_mm_shuffle_epi32(wide, 0xEE));
+        std::uint64_t first, second;
+        std::memcpy(&first, own, 8);
+        std::memcpy(&second, next, 8);
+        const auto cut = static_cast<int>(16 * place);
+        const __m128i packed = _mm_cvtsi64_si128(static_cast<long long>(first >> cut | second << 1 << (63 - cut)));
+        const __m128i wide = _mm_unpacklo_epi16(_mm_setzero_si128(), packed);
+        return {_mm_cvtepi32_pd(wide), _mm_cvtepi32_pd(_mm_shuffle_epi32(wide, 0xEE))};
 #else
-    const auto at = [bits](int i) { return static_cast<double>(static_cast<std::int16_t>(bits >> (16 * i) & 0xFFFFu)); };
-    low = pair{at(0), at(1)};
-    high = pair{at(2), at(3)};
+        const auto at = [&](int i) { return cut_scale * static_cast<double>(i + place < 4 ? own[i + place] : next[i + place - 4]); };
+        return {pair{at(0), at(1)}, pair{at(2), at(3)}};
 #endif
+    }
+};
+
+inline quad sums_of_three(const quad& a, const quad& b, const quad& c, const quad& d) noexcept {
+    return {pair{a.low[0] + a.low[1] + a.high[0], b.low[0] + b.low[1] + b.high[0]},
+            pair{c.low[0] + c.low[1] + c.high[0], d.low[0] + d.low[1] + d.high[0]}};
 }
 
+#endif
+
+}  // namespace PALPATE_ISA
 }  // namespace palpate
 
 #endif

@@ -12,10 +12,8 @@
 #include "locate.h"
 
 #include <cmath>
-#include <cstring>
 
-#include "lanes.h"
-#include "stencil.h"
+#include "contract.h"
 
 namespace palpate {
 namespace {
@@ -79,7 +77,7 @@ void locate(const palpate_field& field, const double q[3], location& found) noex
     const std::int64_t cross_y = next_block(y, 2) * static_cast<std::int64_t>(L.blocks[2]);
     const std::int64_t cross_z = next_block(z, 2);
     const std::int32_t* line =
-        L.index + (static_cast<std::int64_t>(x.block) * L.blocks[1] + y.block) * L.blocks[2] + z.block;
+        L.index + (x.block * L.blocks[1] + y.block) * L.blocks[2] + z.block;
     const std::int32_t row[8] = {line[0],
                                  line[cross_z],
                                  line[cross_y],
@@ -95,50 +93,14 @@ void locate(const palpate_field& field, const double q[3], location& found) noex
         return;
     }
 
-    // phi = sum wx wy wz C and its derivatives, in counts.  A column along z is four int16, 8 bytes; the three taps of
-    // the stencil are cut out of the column of the cell's block and that of the next, side by side.  Sums run along y,
-    // then x, and z last; the fourth tap has weight 0.
     const std::int16_t* block[8];
     for (int i = 0; i < 8; ++i) block[i] = field.geometry_coefficients + static_cast<std::int64_t>(row[i]) * 64;
-    const int cut = 16 * z.place;
-    pair value[2] = {both(0.0), both(0.0)}, along_x[2] = {both(0.0), both(0.0)}, along_y[2] = {both(0.0), both(0.0)};
-    PALPATE_UNROLL_3
-    for (std::int32_t a = 0; a < 3; ++a) {
-        const std::int16_t* const* slab = block + 4 * next_block(x, a);
-        const std::int64_t in_slab = place_of(x, a) * 16;
-        pair s[2] = {both(0.0), both(0.0)}, sy[2] = {both(0.0), both(0.0)};
-        PALPATE_UNROLL_3
-        for (std::int32_t b = 0; b < 3; ++b) {
-            const std::int16_t* const* neighbours = slab + 2 * next_block(y, b);
-            const std::int64_t column = in_slab + place_of(y, b) * 4;
-            std::uint64_t own, next;
-            std::memcpy(&own, neighbours[0] + column, 8);
-            std::memcpy(&next, neighbours[1] + column, 8);
-            pair low, high;
-            unpack_counts(own >> cut | next << 1 << (63 - cut), low, high);
-            const pair w = both(y.w[b]);
-            const pair d = both(y.d[b]);
-            s[0] += w * low;
-            s[1] += w * high;
-            sy[0] += d * low;
-            sy[1] += d * high;
-        }
-        const pair w = both(x.w[a]);
-        const pair d = both(x.d[a]);
-        for (int half = 0; half < 2; ++half) {
-            value[half] += w * s[half];
-            along_x[half] += d * s[half];
-            along_y[half] += w * sy[half];
-        }
-    }
-    const auto along_z = [](const pair c[2], const double tap[3]) noexcept {
-        return c[0][0] * tap[0] + c[0][1] * tap[1] + c[1][0] * tap[2];
-    };
-    const double per_metre = field.geometry_scale * L.inverse_spacing;
-    found.depth = field.tool_offset - (field.geometry_bias + field.geometry_scale * along_z(value, z.w));
-    found.gradient[0] = per_metre * along_z(along_x, z.w);
-    found.gradient[1] = per_metre * along_z(along_y, z.w);
-    found.gradient[2] = per_metre * along_z(value, z.d);
+    double sums[4];
+    field.contract->geometry(block, x, y, z, sums);
+    const double scale = field.geometry_scale * (1.0 / sums_per_count);
+    const double per_metre = scale * L.inverse_spacing;
+    found.depth = field.tool_offset - (field.geometry_bias + scale * sums[0]);
+    for (int a = 0; a < 3; ++a) found.gradient[a] = per_metre * sums[a + 1];
     found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
 }
 

@@ -300,8 +300,9 @@ bool prove(const unsigned char* data, std::size_t size, palpate_field& field, re
     field.amplitude_coefficients = amplitudes;
     field.channel_stride = static_cast<std::int32_t>(h.channel_stride);
     const std::uint32_t channels = h.energy_curve_count + h.stiffness_curve_count + h.friction_curve_count;
-    field.channels = static_cast<std::int32_t>((channels + 1) / 2 * 2);
-    field.gradient_channels = static_cast<std::int32_t>((h.energy_curve_count + 1) / 2 * 2);
+    field.channels = static_cast<std::int32_t>((channels + 3) / 4 * 4);
+    field.gradient_channels = static_cast<std::int32_t>((h.energy_curve_count + 3) / 4 * 4);
+    field.contract = &contraction_here();
     set_curves(field.energy, h.energy_depth_end, h.energy_intervals, h.energy_curve_count, energy);
     set_curves(field.stiffness, h.stiffness_depth_end, h.stiffness_intervals, h.stiffness_curve_count, stiffness);
     set_curves(field.friction, h.friction_depth_end, h.friction_intervals, h.friction_curve_count, friction);

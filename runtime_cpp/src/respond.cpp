@@ -4,12 +4,11 @@
 //     U      = sum_r phi_r(d) a_r(q)
 //     grad U = sum_r phi_r(d) grad a_r(q) - (sum_r phi_r'(d) a_r(q)) grad phi(q)
 //     k      = max(0, sum_r kappa_r(d) b_r(q)),   mu = max(0, sum_r mu_r(d) m_r(q))
-// Curves are cubics on uniform intervals of depth; amplitudes a, b, m are channels of one lattice, read two at a
-// time.  Absent blocks have row 0 of the coefficients, which is all zero.
+// Curves are cubics on uniform intervals of depth; amplitudes a, b, m are channels of one lattice
+// (contract.inl).  Absent blocks have row 0 of the coefficients, which is all zero.
 #include "respond.h"
 
-#include "lanes.h"
-#include "stencil.h"
+#include "contract.h"
 
 namespace palpate {
 namespace {
@@ -26,146 +25,61 @@ const double* row_at(const depth_curves& curves, double d, double& x) noexcept {
     return curves.rows + static_cast<std::int64_t>(curves.last_row) * curves.curve_count * 4;
 }
 
-struct corners {
-    axis_taps x, y, z;
-    const float* tap[27];  // first channel of each coefficient
-};
-
-const float* tap_in_box(const palpate_field& field, std::int32_t i, std::int32_t j, std::int32_t k) noexcept {
-    const lattice& L = field.amplitudes;
-    const bool inside = i >= 0 && j >= 0 && k >= 0 && i < 4 * L.blocks[0] && j < 4 * L.blocks[1] && k < 4 * L.blocks[2];
-    const std::int64_t row =
-        inside ? L.index[(static_cast<std::int64_t>(i >> 2) * L.blocks[1] + (j >> 2)) * L.blocks[2] + (k >> 2)] : 0;
-    return field.amplitude_coefficients + (row * 64 + (i & 3) * 16 + (j & 3) * 4 + (k & 3)) * field.channel_stride;
+// Row of the block (bx, by, bz); the zero block beyond the box.
+std::int64_t row_of(const lattice& L, std::int64_t bx, std::int64_t by, std::int64_t bz) noexcept {
+    const bool inside = bx >= 0 && by >= 0 && bz >= 0 && bx < L.blocks[0] && by < L.blocks[1] && bz < L.blocks[2];
+    return inside ? L.index[(bx * L.blocks[1] + by) * L.blocks[2] + bz] : 0;
 }
 
 // False where the whole stencil lies outside the lattice: all amplitudes are zero.
-bool gather(const palpate_field& field, const double q[3], corners& c) noexcept {
+bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
     const lattice& L = field.amplitudes;
     const double u[3] = {(q[0] - L.origin[0]) * L.inverse_spacing, (q[1] - L.origin[1]) * L.inverse_spacing,
                          (q[2] - L.origin[2]) * L.inverse_spacing};
+    taps.stride = field.channel_stride;
+    const std::int64_t block_size = 64 * taps.stride;
     if (!(u[0] >= 0.0 && u[1] >= 0.0 && u[2] >= 0.0 && u[0] < L.last[0] && u[1] < L.last[1] && u[2] < L.last[2])) {
         for (int a = 0; a < 3; ++a) {
             if (!(u[a] >= -2.0 && u[a] < L.last[a] + 2.0)) return false;
         }
         // Shifted by one block so that the cell index truncates towards minus infinity.
-        taps_at(u[0] + 4.0, c.x);
-        taps_at(u[1] + 4.0, c.y);
-        taps_at(u[2] + 4.0, c.z);
-        const std::int32_t i = 4 * c.x.block + c.x.place - 4;
-        const std::int32_t j = 4 * c.y.block + c.y.place - 4;
-        const std::int32_t k = 4 * c.z.block + c.z.place - 4;
-        for (std::int32_t n = 0; n < 27; ++n) c.tap[n] = tap_in_box(field, i + n / 9, j + n / 3 % 3, k + n % 3);
+        taps_at(u[0] + 4.0, taps.x);
+        taps_at(u[1] + 4.0, taps.y);
+        taps_at(u[2] + 4.0, taps.z);
+        for (int i = 0; i < 8; ++i) {
+            const std::int64_t row = row_of(L, taps.x.block - 1 + (i >> 2 & next_block(taps.x, 2)),
+                                            taps.y.block - 1 + (i >> 1 & next_block(taps.y, 2)),
+                                            taps.z.block - 1 + (i & next_block(taps.z, 2)));
+            taps.block[i] = field.amplitude_coefficients + row * block_size;
+        }
         return true;
     }
-    taps_at(u[0], c.x);
-    taps_at(u[1], c.y);
-    taps_at(u[2], c.z);
-    const std::int64_t cross_x = next_block(c.x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
-    const std::int64_t cross_y = next_block(c.y, 2) * static_cast<std::int64_t>(L.blocks[2]);
-    const std::int64_t cross_z = next_block(c.z, 2);
+    taps_at(u[0], taps.x);
+    taps_at(u[1], taps.y);
+    taps_at(u[2], taps.z);
+    const std::int64_t cross_x = next_block(taps.x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
+    const std::int64_t cross_y = next_block(taps.y, 2) * static_cast<std::int64_t>(L.blocks[2]);
+    const std::int64_t cross_z = next_block(taps.z, 2);
     const std::int32_t* line =
-        L.index + (static_cast<std::int64_t>(c.x.block) * L.blocks[1] + c.y.block) * L.blocks[2] + c.z.block;
-    const std::int32_t row[8] = {line[0],
-                                 line[cross_z],
-                                 line[cross_y],
-                                 line[cross_y + cross_z],
-                                 line[cross_x],
-                                 line[cross_x + cross_z],
-                                 line[cross_x + cross_y],
-                                 line[cross_x + cross_y + cross_z]};
-    const std::int64_t stride = field.channel_stride;
-    const float* block[8];
-    for (int i = 0; i < 8; ++i) block[i] = field.amplitude_coefficients + row[i] * (64 * stride);
-    const std::int64_t next_1 = next_block(c.z, 1);
-    const std::int64_t next_2 = next_block(c.z, 2);
-    const std::int64_t place_0 = c.z.place * stride;
-    const std::int64_t place_1 = place_of(c.z, 1) * stride;
-    const std::int64_t place_2 = place_of(c.z, 2) * stride;
-    const float** tap = c.tap;
-    PALPATE_UNROLL_3
-    for (std::int32_t a = 0; a < 3; ++a) {
-        PALPATE_UNROLL_3
-        for (std::int32_t b = 0; b < 3; ++b, tap += 3) {
-            const float* const* pair_along_z = block + 4 * next_block(c.x, a) + 2 * next_block(c.y, b);
-            const std::int64_t column = (place_of(c.x, a) * 16 + place_of(c.y, b) * 4) * stride;
-            tap[0] = pair_along_z[0] + column + place_0;
-            tap[1] = pair_along_z[next_1] + column + place_1;
-            tap[2] = pair_along_z[next_2] + column + place_2;
-        }
-    }
+        L.index + (taps.x.block * L.blocks[1] + taps.y.block) * L.blocks[2] + taps.z.block;
+    const std::int64_t step[8] = {0,       cross_z,           cross_y,           cross_y + cross_z,
+                                  cross_x, cross_x + cross_z, cross_x + cross_y, cross_x + cross_y + cross_z};
+    for (int i = 0; i < 8; ++i) taps.block[i] = field.amplitude_coefficients + line[step[i]] * block_size;
     return true;
 }
 
-// The weights twice each, as operands for two channels.
-struct weights {
-    pair xw[3], xd[3], yw[3], yd[3], zw[3], zd[3];
-};
-
-void widen(const corners& c, weights& w) noexcept {
-    for (int k = 0; k < 3; ++k) {
-        w.xw[k] = both(c.x.w[k]);
-        w.xd[k] = both(c.x.d[k]);
-        w.yw[k] = both(c.y.w[k]);
-        w.yd[k] = both(c.y.d[k]);
-        w.zw[k] = both(c.z.w[k]);
-        w.zd[k] = both(c.z.d[k]);
-    }
-}
-
-// w[0] c[0] + w[1] c[1] + w[2] c[2]
-inline pair sum3(const pair w[3], const pair& c0, const pair& c1, const pair& c2) noexcept {
-    return w[0] * c0 + w[1] * c1 + w[2] * c2;
-}
-
-// Two channels: values and derivatives per cell.
-void evaluate(const corners& c, const weights& w, std::int64_t first, pair& value, pair& dx, pair& dy, pair& dz) noexcept {
-    const float* const* tap = c.tap;
-    pair s[3], sy[3], sz[3];
-    PALPATE_UNROLL_3
-    for (int a = 0; a < 3; ++a) {
-        pair v[3], dv[3];
-        PALPATE_UNROLL_3
-        for (int b = 0; b < 3; ++b, tap += 3) {
-            const pair c0 = load_pair(tap[0] + first);
-            const pair c1 = load_pair(tap[1] + first);
-            const pair c2 = load_pair(tap[2] + first);
-            v[b] = sum3(w.zw, c0, c1, c2);
-            dv[b] = sum3(w.zd, c0, c1, c2);
-        }
-        s[a] = sum3(w.yw, v[0], v[1], v[2]);
-        sy[a] = sum3(w.yd, v[0], v[1], v[2]);
-        sz[a] = sum3(w.yw, dv[0], dv[1], dv[2]);
-    }
-    value = sum3(w.xw, s[0], s[1], s[2]);
-    dx = sum3(w.xd, s[0], s[1], s[2]);
-    dy = sum3(w.xw, sy[0], sy[1], sy[2]);
-    dz = sum3(w.xw, sz[0], sz[1], sz[2]);
-}
-
-void evaluate(const corners& c, const weights& w, std::int64_t first, pair& value) noexcept {
-    const float* const* tap = c.tap;
-    pair s[3];
-    PALPATE_UNROLL_3
-    for (int a = 0; a < 3; ++a) {
-        pair v[3];
-        PALPATE_UNROLL_3
-        for (int b = 0; b < 3; ++b, tap += 3) {
-            v[b] = sum3(w.zw, load_pair(tap[0] + first), load_pair(tap[1] + first), load_pair(tap[2] + first));
-        }
-        s[a] = sum3(w.yw, v[0], v[1], v[2]);
-    }
-    value = sum3(w.xw, s[0], s[1], s[2]);
-}
-
-// sum_r g_r(d) channel_r, not below zero
-double weighted(const depth_curves& curves, double d, const double* channel) noexcept {
+// A curve set at one depth.  Summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
+void values_at(const depth_curves& curves, double d, double* value) noexcept {
     double x = 0.0;
     const double* row = row_at(curves, d, x);
+    const double x2 = x * x;
+    for (std::int32_t r = 0; r < curves.curve_count; ++r, row += 4) value[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
+}
+
+// sum_r g_r c_r, not below zero
+double weighted(std::int32_t count, const double* curve, const double* channel) noexcept {
     double sum = 0.0;
-    for (std::int32_t r = 0; r < curves.curve_count; ++r, row += 4) {
-        sum += (row[0] + x * (row[1] + x * (row[2] + x * row[3]))) * channel[r];
-    }
+    for (std::int32_t r = 0; r < count; ++r) sum += curve[r] * channel[r];
     return sum > 0.0 ? sum : 0.0;
 }
 
@@ -173,51 +87,48 @@ double weighted(const depth_curves& curves, double d, const double* channel) noe
 
 void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
              response& found) noexcept {
-    found = response{};
-    corners c;
-    if (!gather(field, q, c)) return;
-    weights w;
-    widen(c, w);
-
-    double value[rfield_channel_limit];
-    double dx[rfield_channel_limit], dy[rfield_channel_limit], dz[rfield_channel_limit];
-    for (std::int32_t first = 0; first < field.gradient_channels; first += 2) {
-        pair v, x, y, z;
-        evaluate(c, w, first, v, x, y, z);
-        for (int i = 0; i < 2; ++i) {
-            value[first + i] = v[i];
-            dx[first + i] = x[i];
-            dy[first + i] = y[i];
-            dz[first + i] = z[i];
-        }
+    amplitude_taps taps;
+    if (!gather(field, q, taps)) {
+        found = response{};
+        return;
     }
-    for (std::int32_t first = field.gradient_channels; first < field.channels; first += 2) {
-        pair v;
-        evaluate(c, w, first, v);
-        value[first] = v[0];
-        value[first + 1] = v[1];
-    }
-
+    // Curves first: they wait for the depth, while the sums over amplitudes keep the processor busy.
+    double phi[rfield_channel_limit], slope[rfield_channel_limit], bend[rfield_channel_limit];  // phi_r, phi_r', phi_r''
+    double friction[rfield_channel_limit];  // kappa_r, then mu_r
+    const std::int32_t energies = field.energy.curve_count;
+    const std::int32_t stiffnesses = field.stiffness.curve_count;
     double x = 0.0;
     const double* row = row_at(field.energy, depth, x);
-    double slope = 0.0;  // sum phi_r' a_r
+    const double x2 = x * x;
+    for (std::int32_t r = 0; r < energies; ++r, row += 4) {
+        phi[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
+        slope[r] = (row[1] + (2.0 * row[2]) * x) + x2 * (3.0 * row[3]);
+        bend[r] = 2.0 * row[2] + (6.0 * row[3]) * x;
+    }
+    values_at(field.stiffness, depth, friction);
+    values_at(field.friction, depth, friction + stiffnesses);
+
+    amplitude_sums a;
+    field.contract->amplitudes(taps, field.gradient_channels, field.channels, a);
+
+    double energy = 0.0, steepness = 0.0, stiffness = 0.0;  // sums of phi_r a_r, phi_r' a_r, phi_r'' a_r
     double gx = 0.0, gy = 0.0, gz = 0.0;
-    for (std::int32_t r = 0; r < field.energy.curve_count; ++r, row += 4) {
-        const double phi = row[0] + x * (row[1] + x * (row[2] + x * row[3]));
-        found.energy += phi * value[r];
-        slope += (row[1] + x * (2.0 * row[2] + x * (3.0 * row[3]))) * value[r];
-        found.stiffness += (2.0 * row[2] + x * (6.0 * row[3])) * value[r];
-        gx += phi * dx[r];
-        gy += phi * dy[r];
-        gz += phi * dz[r];
+    for (std::int32_t r = 0; r < energies; ++r) {
+        energy += phi[r] * a.value[r];
+        steepness += slope[r] * a.value[r];
+        stiffness += bend[r] * a.value[r];
+        gx += phi[r] * a.dx[r];
+        gy += phi[r] * a.dy[r];
+        gz += phi[r] * a.dz[r];
     }
     const double per_metre = field.amplitudes.inverse_spacing;
-    found.gradient[0] = gx * per_metre - slope * distance_gradient[0];
-    found.gradient[1] = gy * per_metre - slope * distance_gradient[1];
-    found.gradient[2] = gz * per_metre - slope * distance_gradient[2];
-    const double* channel = value + field.energy.curve_count;
-    found.friction_stiffness = weighted(field.stiffness, depth, channel);
-    found.friction_coefficient = weighted(field.friction, depth, channel + field.stiffness.curve_count);
+    found.energy = energy;
+    found.gradient[0] = gx * per_metre - steepness * distance_gradient[0];
+    found.gradient[1] = gy * per_metre - steepness * distance_gradient[1];
+    found.gradient[2] = gz * per_metre - steepness * distance_gradient[2];
+    found.stiffness = stiffness;
+    found.friction_stiffness = weighted(stiffnesses, friction, a.value + energies);
+    found.friction_coefficient = weighted(field.friction.curve_count, friction + stiffnesses, a.value + energies + stiffnesses);
 }
 
 }  // namespace palpate

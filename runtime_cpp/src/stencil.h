@@ -13,13 +13,13 @@ namespace palpate {
 struct axis_taps {
     double w[3];
     double d[3];         // per cell; divide by the spacing
-    std::int32_t place;  // of tap 0 in its block, 0..3; tap k lies in the next block where place + k > 3
-    std::int32_t block;  // of tap 0
+    std::int64_t place;  // of tap 0 in its block, 0..3; tap k lies in the next block where place + k > 3
+    std::int64_t block;  // of tap 0
 };
 
 // u >= 0.
-inline void taps_at(double u, axis_taps& a) noexcept {
-    const auto i = static_cast<std::int32_t>(u);
+static inline void taps_at(double u, axis_taps& a) noexcept {
+    const auto i = static_cast<std::int64_t>(u);
     const double t = u - static_cast<double>(i);
     const double r = 1.0 - t;
     a.w[0] = 0.5 * r * r;
@@ -33,8 +33,8 @@ inline void taps_at(double u, axis_taps& a) noexcept {
 }
 
 // Where tap k of an axis lies: in its own block or the next (0 or 1), and at which place there.
-inline std::int32_t next_block(const axis_taps& a, std::int32_t k) noexcept { return (a.place + k) >> 2; }
-inline std::int32_t place_of(const axis_taps& a, std::int32_t k) noexcept { return (a.place + k) & 3; }
+static inline std::int64_t next_block(const axis_taps& a, std::int64_t k) noexcept { return (a.place + k) >> 2; }
+static inline std::int64_t place_of(const axis_taps& a, std::int64_t k) noexcept { return (a.place + k) & 3; }
 
 }  // namespace palpate
 

@@ -3,7 +3,7 @@
 // One tick: locate, respond, friction, guard.  Stored energy E = U(q) + 1/2 k |s|^2; the hand moved the tool by dq under
 // the force that was sent, f = -grad U - k s, and did w = -f . dq.  In this order:
 //   1. at fixed k and anchor, E goes to U(q') + 1/2 k |s + P dq|^2: w plus the zero-order hold's share (the leak);
-//   2. the normal turns, the stiffness changes, the spring yields: friction.cpp shows that none raises E;
+//   2. the normal turns, the stiffness changes, the spring yields: friction.h shows that none raises E;
 //   3. contact that cannot go on (too deep, through, jumped, bad input) gives up E as a whole: dissipated.
 // First contact sets the spring down unstretched; lift-off has U = k = 0, so E ends at zero by itself.
 #include <cmath>
@@ -11,6 +11,7 @@
 #include "locate.h"
 #include "respond.h"
 #include "session.h"
+#include "vec.h"
 
 namespace palpate {
 namespace {
@@ -21,8 +22,6 @@ constexpr double gradient_least = 1e-3;
 constexpr std::uint32_t zero_force_bits = PALPATE_TICK_UNREACHED | PALPATE_TICK_TOO_DEEP | PALPATE_TICK_PASSED_THROUGH |
                                           PALPATE_TICK_JUMP | PALPATE_TICK_STALE | PALPATE_TICK_BAD_INPUT |
                                           PALPATE_TICK_RELEASED;
-
-double dot(const double a[3], const double b[3]) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 bool unit(const double v[3], double n[3]) noexcept {
     const double length = std::sqrt(dot(v, v));
@@ -71,9 +70,22 @@ void write_books(const palpate_session& s, palpate_tool_response& out) noexcept 
     out.hold_leak = s.books.hold_leak;
 }
 
-// Contact at q, coming from s.q by `step`; false (with a status bit) where it cannot be.
-bool contact(palpate_session& s, const double q[3], const location& at, const double step[3], double work,
-             std::uint32_t& status, palpate_tool_response& out) noexcept {
+// Contact at q, `arm` from the grip, coming from s.q by `step`; false (with a status bit) where it cannot be.  What needs the normal alone
+// is done before the response, so that the processor can do both at once.
+bool contact(palpate_session& s, const double q[3], const double arm[3], const location& at, const double step[3],
+             double work, std::uint32_t& status, palpate_tool_response& out) noexcept {
+    friction_spring spring = s.spring;
+    double n[3] = {spring.normal[0], spring.normal[1], spring.normal[2]};
+    const bool has_normal = unit(at.gradient, n);
+    const bool turned_over = s.touching ? dot(n, spring.normal) < 0.0 : !has_normal;
+    if (s.touching) {
+        carry(spring, step);
+    } else {
+        touch_down(spring, n);
+    }
+    const double held = spring_energy(spring);
+    if (has_normal && !turned_over) turn(spring, n);
+
     response r;
     respond(*s.field, q, at.depth, at.gradient, r);
     if (s.entry == gate::zero_energy && r.energy == 0.0) s.entry = gate::open;
@@ -81,48 +93,42 @@ bool contact(palpate_session& s, const double q[3], const location& at, const do
         if ((status & zero_force_bits) == 0) status |= PALPATE_TICK_WAITING;
         return false;
     }
-    double n[3] = {s.spring.normal[0], s.spring.normal[1], s.spring.normal[2]};
-    const bool has_normal = unit(at.gradient, n);
-    // Turned over within one tick, or begun without any normal: the middle of a thin lobe.
-    if (s.touching ? dot(n, s.spring.normal) < 0.0 : !has_normal) {
+    if (turned_over) {  // within one tick, or begun without any normal: the middle of a thin lobe
         status |= PALPATE_TICK_PASSED_THROUGH;
         s.entry = gate::closed;
         return false;
     }
-
-    const double before = s.energy + spring_energy(s.spring);
-    if (s.touching) {
-        carry(s.spring, step);
-    } else {
-        touch_down(s.spring, n);
-    }
-    const double held = spring_energy(s.spring);
-    hold(s.books, work, before, r.energy + held);
+    hold(s.books, work, s.energy + spring_energy(s.spring), r.energy + held);
 
     const double normal_force = -dot(r.gradient, n);
     const double mu = s.config.friction_coefficient >= 0.0 ? s.config.friction_coefficient : r.friction_coefficient;
-    if (has_normal) turn(s.spring, n);
-    stiffen(s.spring, r.friction_stiffness);
-    if (yield(s.spring, normal_force > 0.0 ? mu * normal_force : 0.0)) status |= PALPATE_TICK_SLIPPING;
-    const double spring = spring_energy(s.spring);
-    s.books.dissipated_friction += held - spring;
+    stiffen(spring, r.friction_stiffness);
+    if (yield(spring, normal_force > 0.0 ? mu * normal_force : 0.0)) status |= PALPATE_TICK_SLIPPING;
+    const double stretched = spring_energy(spring);
+    s.books.dissipated_friction += held - stretched;
     if (at.depth > s.field->depth_max) status |= PALPATE_TICK_EXTRAPOLATED;
 
     s.touching = true;
     s.energy = r.energy;
+    s.spring = spring;
+    double f[3];
+    for (int a = 0; a < 3; ++a) f[a] = -r.gradient[a] - spring.stiffness * spring.stretch[a];
     for (int a = 0; a < 3; ++a) {
-        s.force[a] = -r.gradient[a] - s.spring.stiffness * s.spring.stretch[a];
-        out.force[a] = s.force[a];
+        s.force[a] = f[a];
+        out.force[a] = f[a];
         out.reference_point[a] = q[a];
-        out.anchor[a] = q[a] - s.spring.stretch[a];
+        out.anchor[a] = q[a] - spring.stretch[a];
         out.normal[a] = n[a];
     }
+    out.torque[0] = arm[1] * f[2] - arm[2] * f[1];
+    out.torque[1] = arm[2] * f[0] - arm[0] * f[2];
+    out.torque[2] = arm[0] * f[1] - arm[1] * f[0];
     out.normal_force = normal_force;
     out.stiffness = r.stiffness;
-    out.friction_stiffness = s.spring.stiffness;
+    out.friction_stiffness = spring.stiffness;
     out.friction_coefficient = mu;
-    out.stored_energy = r.energy + spring;
-    out.spring_energy = spring;
+    out.stored_energy = r.energy + stretched;
+    out.spring_energy = stretched;
     return true;
 }
 
@@ -198,10 +204,11 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
         s.entry = gate::closed;
     }
 
+    const double arm[3] = {q[0] - state.position[0], q[1] - state.position[1], q[2] - state.position[2]};
     bool touching = false;
     switch (at.region) {
         case PALPATE_REGION_CONTACT:
-            touching = contact(s, q, at, step, work, status, out);
+            touching = contact(s, q, arm, at, step, work, status, out);
             if (!touching && s.touching) give_up(s, work);
             break;
         case PALPATE_REGION_UNREACHED:
@@ -219,14 +226,7 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
 
     for (int a = 0; a < 3; ++a) s.q[a] = q[a];
     s.has_q = true;
-    if (touching) {
-        const double arm[3] = {q[0] - state.position[0], q[1] - state.position[1], q[2] - state.position[2]};
-        out.torque[0] = arm[1] * out.force[2] - arm[2] * out.force[1];
-        out.torque[1] = arm[2] * out.force[0] - arm[0] * out.force[2];
-        out.torque[2] = arm[0] * out.force[1] - arm[1] * out.force[0];
-    } else {
-        write_free(s, out);
-    }
+    if (!touching) write_free(s, out);
     write_books(s, out);
     out.depth = at.depth;
     out.region = at.region;

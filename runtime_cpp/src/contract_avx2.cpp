@@ -1,0 +1,11 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// contract.inl compiled with -mavx2 (and without fused operations); run only where the processor has it.
+#define PALPATE_ISA avx2
+#include "contract.inl"
+
+namespace palpate {
+
+const contraction contraction_avx2 = {avx2::geometry, avx2::amplitudes};
+
+}  // namespace palpate

@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+#ifndef PALPATE_SRC_VEC_H
+#define PALPATE_SRC_VEC_H
+
+namespace palpate {
+
+inline double dot(const double a[3], const double b[3]) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+}  // namespace palpate
+
+#endif

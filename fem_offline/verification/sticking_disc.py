@@ -6,9 +6,9 @@ The disc is chosen by hand (every quadrature point within a), so that what is co
 A stuck *press* differs for two more reasons, both physical: the tissue is already deformed (k_t 3.5 % more and k_n
 2.4 % less at d = 0.1 R, same points, same mesh), and a body of 120 x 120 x 60 mm is stiffer than a half space.
 
-Measured (nu = 0.48): k_t is 3.9 % high with edges of 0.28 a, 1.9 % with 0.18 a, 0.8 % with 0.12 a; k_n 3.9, 2.3 and
-1.6 %: faces that the disc's rim cuts are held as far out as their quadrature points reach.  A tenth of the default
-edges' excess is hidden by the sticking penalty's own compliance, 1.3 / (pi a) over the penalty / E.
+Measured (nu = 0.48): k_t is 3.9 % high with edges of 0.28 a, 1.9 % with 0.18 a, 0.8 % with 0.12 a; k_n 3.9, 2.2 and
+1.6 %: faces that the disc's rim cuts are held as far out as their quadrature points reach.  The sticking penalty gives
+a little way at the rim, where a rigid disc's traction is singular, and hides 1 to 2 % of that.
 """
 
 from __future__ import annotations

@@ -8,6 +8,7 @@ keeps the organ it works on, and far fields go through the store, so that anothe
 
 from __future__ import annotations
 
+import ast
 import multiprocessing
 import os
 import threading
@@ -38,9 +39,20 @@ MECHANICS = (
 
 @cache
 def mechanics_version() -> str:
-    """Hex digest of the mechanics' source."""
+    """Hex digest of the mechanics' source, comments, docstrings and layout left out."""
     folder = files("palpate.fem_offline")
-    return digest([(folder / f"{name}.py").read_text() for name in MECHANICS])
+    return digest([_meaning((folder / f"{name}.py").read_text()) for name in MECHANICS])
+
+
+def _meaning(source: str) -> str:
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if isinstance(body, list):
+            node.body = [
+                n for n in body if not (isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant))
+            ]  # type: ignore[attr-defined]
+    return ast.dump(tree)
 
 
 @dataclass(frozen=True)

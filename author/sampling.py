@@ -3,8 +3,9 @@
 """Where the surface is pressed: well-spread nodes, and held-out points that never become nodes.
 
 Candidates cover the reachable surface evenly.  Nodes are chosen by farthest points (Gonzalez 1985), which reach the
-reach's border by themselves; held-out points are drawn by seed from all of it.  Places that no press could vouch for (held by a support, a crease that the tool's reference point sees
-from two sides, tissue thinner than 2.5 depths) are left out and counted.
+reach's border by themselves; held-out points are drawn by seed from all of it.  Places that no press could vouch
+for (held by a support, a crease that the tool's reference point sees from two sides, tissue thinner than 2.5
+depths) are left out and counted.
 """
 
 from __future__ import annotations

@@ -201,7 +201,9 @@ class HessianPattern:
         return sparse.csr_matrix((values, self.column, self.row_start), shape=shape)
 
 
-def hessian_pattern(elements: np.ndarray, fixed: np.ndarray, dense_groups: list[np.ndarray]) -> HessianPattern:
+def hessian_pattern(
+    elements: np.ndarray, fixed: np.ndarray, dense_groups: list[np.ndarray]
+) -> HessianPattern:
     """Pattern of the Hessian.
 
     Args:

@@ -48,7 +48,9 @@ class Body(Protocol):
 
     def state(self, u: np.ndarray) -> ElementState: ...
 
-    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float, stuck: bool = False) -> None: ...
+    def linearise(
+        self, u: np.ndarray, contact: ContactHessian, shift: float, stuck: bool = False
+    ) -> None: ...
 
     def renew(self) -> None: ...
 
@@ -103,7 +105,9 @@ class NearBody:
         self._far_values = far.stiffness[upper]
         self._contact_places = face_places(self.pattern, contact_faces)
         # Sticking holds the contact in three directions instead of one: a factor of its own stays useful longer.
-        self._factors = {stuck: Factor(self.pattern.row_start, self.pattern.column) for stuck in (False, True)}
+        self._factors = {
+            stuck: Factor(self.pattern.row_start, self.pattern.column) for stuck in (False, True)
+        }
         self._factored: set[bool] = set()
         self._rest_values = self.values(np.zeros_like(self.nodes))
 
@@ -112,7 +116,9 @@ class NearBody:
         moved = u[self.interface].ravel()
         force = self.far.stiffness @ moved
         elastic.force[self.interface] += force.reshape(-1, 3)
-        return ElementState(elastic.energy + 0.5 * float(moved @ force), elastic.force, elastic.smallest_jacobian)
+        return ElementState(
+            elastic.energy + 0.5 * float(moved @ force), elastic.force, elastic.smallest_jacobian
+        )
 
     def values(self, u: np.ndarray) -> np.ndarray:
         """Hessian values of patch and far field, without contact."""
@@ -170,7 +176,9 @@ class _FarRest:
 class FullBody:
     """Every tetrahedron nonlinear: the patch and the organ's own outside it."""
 
-    def __init__(self, near: NearBody, organ: Organ, patch: Patch, shared: tuple[np.ndarray, np.ndarray]) -> None:
+    def __init__(
+        self, near: NearBody, organ: Organ, patch: Patch, shared: tuple[np.ndarray, np.ndarray]
+    ) -> None:
         patch_nodes, organ_nodes = shared
         outside = ~patch.carved
         space = near.system.space

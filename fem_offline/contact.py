@@ -241,7 +241,9 @@ class Sticking:
         self._held = self.base.copy()
 
     def _slack(self, u: np.ndarray) -> np.ndarray:
-        return np.where(self._acting[:, :, None], self.surface.points(u) - self.anchor - self.translation, 0.0)
+        return np.where(
+            self._acting[:, :, None], self.surface.points(u) - self.anchor - self.translation, 0.0
+        )
 
     def state(self, u: np.ndarray) -> ContactState:
         y = self._slack(u)

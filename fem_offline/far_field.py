@@ -61,7 +61,9 @@ def condense(organ: Organ, carved: np.ndarray, organ_nodes: np.ndarray) -> FarFi
     free = (3 * far_nodes[:, None] + np.arange(3)).ravel()
     modes = _rigid_motions(organ.space.nodes[held_far])
     count = stiffness.shape[0]
-    columns = [sparse.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(count, len(free)))]
+    columns = [
+        sparse.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(count, len(free)))
+    ]
     rows = (3 * held_far[:, None] + np.arange(3)).ravel()
     at = (np.repeat(rows, 6), np.tile(np.arange(6), len(rows)))
     columns.append(sparse.csr_matrix((modes.ravel(), at), shape=(count, 6)))

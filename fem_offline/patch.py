@@ -114,7 +114,9 @@ def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize
         points = _lay_on_surface(points, tets, faces, face_kind, organ, step == passes - 1)
     volumes = _volumes(points, tets)
     if volumes.min() <= 0.0:
-        raise PatchError(f"{np.count_nonzero(volumes <= 0)} tetrahedra inverted on the curved surface at {centre}")
+        raise PatchError(
+            f"{np.count_nonzero(volumes <= 0)} tetrahedra inverted on the curved surface at {centre}"
+        )
     if organ.label_at is not None:
         label = organ.label_at(points[tets].mean(axis=1))
     organ_vertex = np.full(len(points), -1)
@@ -127,7 +129,14 @@ def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize
         points[nodes] = organ.points[interface[which]]
         organ_vertex[nodes] = interface[which]
     return Patch(
-        points, tets, label, faces[face_kind == OUTER], faces[face_kind == INTERFACE], organ_vertex, carved, quality
+        points,
+        tets,
+        label,
+        faces[face_kind == OUTER],
+        faces[face_kind == INTERFACE],
+        organ_vertex,
+        carved,
+        quality,
     )
 
 

@@ -212,7 +212,7 @@ def press(
     site: Site,
     tool: Tool,
     depths: np.ndarray,
-    settings: PressSettings = PressSettings(),  # noqa: B008 (frozen)
+    settings: PressSettings = PressSettings(),
     moves: Callable[[int, PressState], np.ndarray | None] = lambda index, state: None,
     progress: Callable[[float], None] = lambda depth: None,
 ) -> PressRecord:
@@ -244,7 +244,9 @@ def press(
                 break
             stuck = _sticking(site, found, contact, settings)
             wants_stiffness = index % 2 == 1 or index == len(depths) - 1
-            stiffness = _sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
+            stiffness = (
+                _sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
+            )
             touch = found.contact
             rows.append(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
@@ -253,7 +255,10 @@ def press(
             wanted = moves(index, PressState(site.normal, touch.force, stiffness))
             if wanted is not None:
                 ladders.append(_lateral_ladder(site, found, stuck, float(depth), wanted, settings, ladder))
-        except (EquilibriumError, ArithmeticError) as error:  # a linear solve of the stuck contact may fail too
+        except (
+            EquilibriumError,
+            ArithmeticError,
+        ) as error:  # a linear solve of the stuck contact may fail too
             reason = f"stopped before {depth * 1e3:.2f} mm: {error}"
             break
         progress(float(depth))
@@ -275,7 +280,9 @@ def press(
 
 def _reaction_error(site: Site, found: Equilibrium) -> float:
     support = site.body.support_force(found.u, found.elastic)
-    return float(np.linalg.norm(found.contact.force - support) / max(np.linalg.norm(found.contact.force), 1e-300))
+    return float(
+        np.linalg.norm(found.contact.force - support) / max(np.linalg.norm(found.contact.force), 1e-300)
+    )
 
 
 def _sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: PressSettings) -> Sticking:

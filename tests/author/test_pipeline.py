@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The whole way on the shipped block, with few presses: surface, tets, FEM, field, USD, .rfield, runtime, report."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palpate.assets import scene_path
+from palpate.author import pipeline
+from palpate.author.scene import load_scene
+from palpate.author.validate import validate
+from palpate.fields.usd_read import read_field, tools
+from palpate.fields.usd_validators import asset_errors
+from palpate.runtime import Field
+
+NODES = 5
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory) -> Path:
+    return tmp_path_factory.mktemp("block")
+
+
+@pytest.fixture(scope="module")
+def block(out, tmp_path_factory):
+    """The shipped scene with a smaller reach and fewer presses, and its result."""
+    text = scene_path("palpation_block").read_text()
+    text = text.replace('"../phantoms/', f'"{scene_path("palpation_block").parents[1]}/phantoms/')
+    text = text.replace('radius = "18 mm"', 'radius = "8 mm"').replace("held_out = 4", "held_out = 1")
+    path = tmp_path_factory.mktemp("scene") / "block.toml"
+    path.write_text(text)
+    scene = load_scene(path)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pipeline, "node_count", lambda area, tolerance: NODES)
+        patch.setattr(pipeline, "NEAR_CHECKS", 1)
+        result = pipeline.author(scene, out)
+        again = pipeline.author(scene, out)
+    return result, again
+
+
+def test_the_rendered_force_is_within_the_scene_s_tolerance_of_fresh_finite_elements(block):
+    tool = block[0]["tools"][0]
+    assert tool["nodes"] == NODES and tool["failed"] == 0 and tool["held_out"] == 1
+    assert tool["force_error"]["max"] < 0.05
+    assert tool["lateral_error"]["max"] < 0.02
+    assert tool["stuck_error"]["max"] < 0.05
+    assert tool["far_field_error"]["max"] < 0.01
+    assert block[0]["tolerance_met"]
+
+
+def test_the_asset_is_clean_and_cooks_to_the_runtime_s_field(block, out):
+    assert asset_errors(out) == []
+    assert tools(out) == ["ball_5mm"]
+    field = read_field(out, "ball_5mm")
+    assert field.nodes.node_count == NODES
+    assert field.nodes.residual.max() < 0.01
+    info = Field.open(out / "ball_5mm.rfield").info
+    assert info.tool_hash == field.tool.hash
+    assert info.depth_max == pytest.approx(4e-3)
+    assert info.bytes < 1_000_000
+
+
+def test_action_and_reaction_are_in_every_record(block, out):
+    errors = [np.load(path)["reaction_error"].max() for path in (out / "work" / "press").glob("*.npz")]
+    assert len(errors) == NODES + 2
+    assert max(errors) < 1e-8
+
+
+def test_a_second_run_presses_nothing_again_and_gives_the_same_field(block, out):
+    first, again = block
+    assert again["tools"][0]["force_error"] == first["tools"][0]["force_error"]
+    assert {row["name"]: row["seconds"] for row in again["stages"]}["presses"] < 5.0
+
+
+def test_validate_judges_the_asset_alone_as_the_pipeline_did(block, out):
+    judged = validate(out, points=1, seed=1)
+    assert judged["force_error"] == pytest.approx(block[0]["tools"][0]["force_error"])
+    assert json.loads(Path(judged["record"]).read_text())["points"] == 1
+
+
+def test_the_report_is_there(block, out):
+    assert (out / "report" / "index.html").stat().st_size > 100_000
+    assert "ball_5mm" in (out / "report" / "index.html").read_text()

@@ -16,7 +16,7 @@ import math
 
 __all__ = ["NODES_AT_LEAST", "PRESS_SECONDS", "node_count"]
 
-PRESS_SECONDS: dict[str, float] = {"near_field": 30.0, "full": 150.0}
+PRESS_SECONDS: dict[str, float] = {"near_field": 20.0, "full": 120.0}
 """CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core."""
 
 NODES_AT_LEAST = 12

@@ -86,7 +86,9 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
         "nodes": nodes,
         "held_out": scene.accuracy.held_out,
         "presses": presses,
-        "cpu_seconds": presses * PRESS_SECONDS[scene.accuracy.fidelity],
+        # held-out presses are full, whatever builds the field
+        "cpu_seconds": nodes * PRESS_SECONDS[scene.accuracy.fidelity]
+        + scene.accuracy.held_out * PRESS_SECONDS["full"],
     }
 
 

@@ -12,6 +12,7 @@ import trimesh
 
 from palpate.author.effort import NODES_AT_LEAST, node_count
 from palpate.author.errors import InputError
+from palpate.author.effort import PRESS_SECONDS
 from palpate.author.plan import plan
 from palpate.author.scene import load_scene
 
@@ -24,7 +25,7 @@ def test_a_plan_measures_the_organ_and_names_what_is_left_out(write_scene: Calla
     assert set(result["stored"]) == {"response"}
     tool = result["tools"][0]
     assert tool["presses"] == tool["nodes"] + 5
-    assert result["cpu_seconds"] == tool["presses"] * 150.0
+    assert result["cpu_seconds"] == tool["presses"] * PRESS_SECONDS["full"]
     assert tool["friction"] is None
 
 

@@ -11,11 +11,12 @@ Units are SI, axes the organ's own; `palpate.h` (see `include_folder`) is the ma
 
 from palpate.runtime.bench import bench
 from palpate.runtime.field import Field, FieldInfo
-from palpate.runtime.layout import Region, Tick
+from palpate.runtime.layout import Adhesion, Region, Tick
 from palpate.runtime.library import RuntimeFailure, cmake_folder, include_folder, version
 from palpate.runtime.session import Config, Session
 
 __all__ = [
+    "Adhesion",
     "Config",
     "Field",
     "FieldInfo",

@@ -8,9 +8,20 @@ from enum import IntEnum, IntFlag
 
 import numpy as np
 
-__all__ = ["ABI_VERSION", "CONFIG", "FIELD_INFO", "RESPONSE", "SAMPLE", "STATE", "Input", "Region", "Tick"]
+__all__ = [
+    "ABI_VERSION",
+    "CONFIG",
+    "FIELD_INFO",
+    "RESPONSE",
+    "SAMPLE",
+    "STATE",
+    "Adhesion",
+    "Input",
+    "Region",
+    "Tick",
+]
 
-ABI_VERSION = 1
+ABI_VERSION = 2
 
 
 class Region(IntEnum):
@@ -24,6 +35,15 @@ class Region(IntEnum):
     UNKNOWN = 5
 
 
+class Adhesion(IntEnum):
+    """palpate_adhesion: how a stretched contact slips."""
+
+    STICK_SLIP = 1
+    SMOOTH = 2
+    PROPORTIONAL = 3
+    DAHL = 4
+
+
 class Input(IntFlag):
     """PALPATE_INPUT_ flags."""
 
@@ -32,7 +52,7 @@ class Input(IntFlag):
 
 
 class Tick(IntFlag):
-    """PALPATE_TICK_ status bits; all but EXTRAPOLATED and SLIPPING mean zero force."""
+    """PALPATE_TICK_ status bits; all but those of FELT mean zero force."""
 
     EXTRAPOLATED = 1
     SLIPPING = 2
@@ -45,6 +65,9 @@ class Tick(IntFlag):
     BAD_INPUT = 256
     RELEASED = 512
     BAD_ARGUMENT = 1024
+    FORCE_LIMITED = 2048
+    LEAK_COVERED = 4096
+    FELT = EXTRAPOLATED | SLIPPING | FORCE_LIMITED | LEAK_COVERED
 
 
 FIELD_INFO = np.dtype(
@@ -92,11 +115,15 @@ SAMPLE = np.dtype(
 CONFIG = np.dtype(
     [
         ("size", "<u4"),
-        ("reserved", "<u4"),
+        ("adhesion", "<u4"),
         ("reference_point", "<f8", (3,)),  # m
         ("friction_coefficient", "<f8"),
         ("speed_max", "<f8"),  # m/s
         ("dt_max", "<f8"),  # s
+        ("adhesion_start", "<f8"),
+        ("force_max", "<f8"),  # N
+        ("passivity_control", "<u4"),
+        ("reserved", "<u4"),
     ]
 )
 
@@ -128,6 +155,7 @@ RESPONSE = np.dtype(
         ("friction_coefficient", "<f8"),
         ("stored_energy", "<f8"),  # J
         ("spring_energy", "<f8"),  # J
+        ("surface_offset", "<f8"),  # m
         ("work_in", "<f8"),  # J
         ("dissipated_friction", "<f8"),  # J
         ("dissipated_rule", "<f8"),  # J

@@ -74,6 +74,7 @@ def library() -> ctypes.CDLL:
         ("palpate_session_init", ctypes.c_int, [pointer, size, pointer, pointer, out]),
         ("palpate_session_reset", ctypes.c_int, [pointer]),
         ("palpate_session_snapshot", ctypes.c_int, [pointer, pointer, size, out]),
+        ("palpate_session_set_field", ctypes.c_int, [pointer, pointer]),
         ("palpate_tick", ctypes.c_uint32, [pointer, pointer, pointer]),
         ("palpate_tick_batch", ctypes.c_uint32, [pointer, pointer, pointer, size]),
     ):

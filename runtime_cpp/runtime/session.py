@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from palpate.runtime.field import Field
-from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Input
+from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Adhesion, Input
 from palpate.runtime.library import check, library
 
 __all__ = ["Config", "Session"]
@@ -26,12 +26,20 @@ class Config:
         friction_coefficient: >= 0 replaces the field's; None: the field's own.
         speed_max: m/s; a faster move is a jump; 0: no limit.
         dt_max: s; a longer tick is stale.
+        adhesion: how a stretched contact slips.
+        adhesion_start: 0 to 0.999; of SMOOTH and PROPORTIONAL, as a fraction of the limit.
+        force_max: N; the device's limit, to which the surface yields; 0: none.
+        passivity_control: the surface yields by what holding the force has given and nothing has dissipated.
     """
 
     reference_point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     friction_coefficient: float | None = None
     speed_max: float = 10.0
     dt_max: float = 0.1
+    adhesion: Adhesion = Adhesion.STICK_SLIP
+    adhesion_start: float = 0.5
+    force_max: float = 0.0
+    passivity_control: bool = False
 
 
 class Session:
@@ -44,6 +52,7 @@ class Session:
     def __init__(self, field: Field, config: Config | None = None):
         config = config or Config()
         self.field = field
+        self._fields = [field]  # all stay open: a tick may still move in an earlier one
         self._memory = np.zeros(-(-library().palpate_session_size() // 8), dtype=np.float64)
         raw = np.zeros((), dtype=CONFIG)
         raw["size"] = CONFIG.itemsize
@@ -51,7 +60,8 @@ class Session:
         raw["friction_coefficient"] = (
             -1.0 if config.friction_coefficient is None else config.friction_coefficient
         )
-        raw["speed_max"], raw["dt_max"] = config.speed_max, config.dt_max
+        for name in ("speed_max", "dt_max", "adhesion", "adhesion_start", "force_max", "passivity_control"):
+            raw[name] = getattr(config, name)
         handle = ctypes.c_void_p()
         memory, init = self._memory, library().palpate_session_init
         status = init(memory.ctypes.data, memory.nbytes, field.handle, raw.ctypes.data, ctypes.byref(handle))
@@ -62,10 +72,16 @@ class Session:
         """Back to the state after construction, accounts at zero."""
         check(library().palpate_session_reset(self._handle))
 
+    def set_field(self, field: Field) -> None:
+        """From the next tick on, another field of the same organ; while touching, stored energy does not rise."""
+        check(library().palpate_session_set_field(self._handle, field.handle))
+        self.field = field
+        self._fields.append(field)
+
     def snapshot(self) -> Session:
         """A copy with the same state; both go on independently."""
         copy = object.__new__(Session)
-        copy.field = self.field
+        copy.field, copy._fields = self.field, list(self._fields)
         copy._memory = np.zeros_like(self._memory)
         handle = ctypes.c_void_p()
         memory = copy._memory

@@ -45,11 +45,15 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_sample, friction_coefficient),
     PALPATE_SIZE(palpate_config),
     PALPATE_ROW(palpate_config, size),
-    PALPATE_ROW(palpate_config, reserved),
+    PALPATE_ROW(palpate_config, adhesion),
     PALPATE_ROW(palpate_config, reference_point),
     PALPATE_ROW(palpate_config, friction_coefficient),
     PALPATE_ROW(palpate_config, speed_max),
     PALPATE_ROW(palpate_config, dt_max),
+    PALPATE_ROW(palpate_config, adhesion_start),
+    PALPATE_ROW(palpate_config, force_max),
+    PALPATE_ROW(palpate_config, passivity_control),
+    PALPATE_ROW(palpate_config, reserved),
     PALPATE_SIZE(palpate_tool_state),
     PALPATE_ROW(palpate_tool_state, size),
     PALPATE_ROW(palpate_tool_state, flags),
@@ -73,6 +77,7 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_tool_response, friction_coefficient),
     PALPATE_ROW(palpate_tool_response, stored_energy),
     PALPATE_ROW(palpate_tool_response, spring_energy),
+    PALPATE_ROW(palpate_tool_response, surface_offset),
     PALPATE_ROW(palpate_tool_response, work_in),
     PALPATE_ROW(palpate_tool_response, dissipated_friction),
     PALPATE_ROW(palpate_tool_response, dissipated_rule),
@@ -118,6 +123,8 @@ const char* palpate_tick_text(uint32_t tick_status) noexcept {
         case PALPATE_TICK_STALE: return "More than dt_max went by since the last tick: released, contact comes back from outside.";
         case PALPATE_TICK_BAD_INPUT: return "Position, orientation or dt is not usable: released, contact comes back from outside.";
         case PALPATE_TICK_RELEASED: return "The host asked to let go: contact comes back from outside.";
+        case PALPATE_TICK_FORCE_LIMITED: return "The surface yielded: the device gives no more force.";
+        case PALPATE_TICK_LEAK_COVERED: return "The surface yielded by what holding the force had given.";
         case PALPATE_TICK_BAD_ARGUMENT: return "A pointer is null or a struct is too small.";
         default: return "This status bit is unknown to this version.";
     }

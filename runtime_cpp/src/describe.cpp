@@ -66,7 +66,8 @@ palpate_status palpate_field_sample(const palpate_field* field, const double* q,
         }
         if (at.region != PALPATE_REGION_CONTACT) continue;
         palpate::response r;
-        palpate::respond(*field, q, at.depth, at.gradient, r);
+        palpate::amplitude_sums amplitudes;
+        palpate::respond(*field, q, at.depth, at.gradient, r, amplitudes);
         out.stored_energy = r.energy;
         for (int a = 0; a < 3; ++a) {
             out.force[a] = -r.gradient[a];

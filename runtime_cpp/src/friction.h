@@ -14,12 +14,15 @@
 // stiffen  k' > k: s' = s k / k', E' = 1/2 k^2 / k' |s|^2 < E (contact that grows carries no shear yet).
 //          k' < k: s' = s, E' = 1/2 k' |s|^2 < E.
 // yield    s' = s limit / |k s|, E' <= E.
-// Each of the three is a contraction of s or of k, so E falls or stays whatever the field's k, mu and curvature are.
+// creep    for the adhesion functions of their figure 2 (eq. 4): s' = s (1 - zeta(|s|) |P dq|), where zeta >= 0 says how much
+//          of a motion is slip; a share in [0, 1] of s is left, E' <= E.
+// Each of the four is a contraction of s or of k, so E falls or stays whatever the field's k, mu and curvature are.
 // Everything is inline: a tick waits for these few operations, not for their calls.
 #ifndef PALPATE_SRC_FRICTION_H
 #define PALPATE_SRC_FRICTION_H
 
 #include <cmath>
+#include <cstdint>
 
 #include "vec.h"
 
@@ -79,6 +82,29 @@ inline bool yield(friction_spring& spring, double limit) noexcept {
     const double share = limit / std::sqrt(force_squared);
     for (int a = 0; a < 3; ++a) spring.stretch[a] *= share;
     return true;
+}
+
+// zeta(z) in units of 1/limit, for the stretch z as a fraction of the stretch at which everything slips (z <= 1): how much
+// of a motion is slip.  1: none, up to the limit.  2: none up to `start`, then a smooth rise (Dupont and others' sine,
+// here its cubic), for control.  3: none up to `start`, then in proportion.  4: Dahl, eq. 1: everywhere; there is no
+// sticking, and a contact that is shaken drifts: the example not to follow.
+inline double adhesion(std::uint32_t model, double start, double z) noexcept {
+    if (model == 4) return 1.0;
+    if (model == 1 || !(z > start)) return 0.0;
+    const double t = (z - start) / (1.0 - start);
+    return model == 2 ? t * t * (3.0 - 2.0 * t) : t;
+}
+
+// Slips by the adhesion function's share of the motion `step` (m), of which the part along the surface counts; `limit` as in
+// yield, which must have been called.  Energy does not rise.
+inline void creep(friction_spring& spring, std::uint32_t model, double start, double limit, const double step[3]) noexcept {
+    const double force = spring.stiffness * std::sqrt(dot(spring.stretch, spring.stretch));
+    if (!(force > 0.0) || !(limit > 0.0)) return;
+    const double out = dot(step, spring.normal);
+    const double along = std::sqrt(std::fmax(0.0, dot(step, step) - out * out));
+    const double zeta = adhesion(model, start, force < limit ? force / limit : 1.0) * spring.stiffness / limit;  // 1/m
+    const double share = 1.0 - zeta * along;
+    for (int a = 0; a < 3; ++a) spring.stretch[a] *= share > 0.0 ? share : 0.0;
 }
 
 }  // namespace palpate

@@ -68,12 +68,30 @@ bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps)
     return true;
 }
 
-// A curve set at one depth.  Summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
+// The curves at one depth.  Summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
+struct curve_values {
+    double phi[rfield_channel_limit], slope[rfield_channel_limit], bend[rfield_channel_limit];  // phi_r, phi_r', phi_r''
+    double friction[rfield_channel_limit];  // kappa_r, then mu_r
+};
+
 void values_at(const depth_curves& curves, double d, double* value) noexcept {
     double x = 0.0;
     const double* row = row_at(curves, d, x);
     const double x2 = x * x;
     for (std::int32_t r = 0; r < curves.curve_count; ++r, row += 4) value[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
+}
+
+inline void curves_at(const palpate_field& field, double d, curve_values& c) noexcept {
+    double x = 0.0;
+    const double* row = row_at(field.energy, d, x);
+    const double x2 = x * x;
+    for (std::int32_t r = 0; r < field.energy.curve_count; ++r, row += 4) {
+        c.phi[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
+        c.slope[r] = (row[1] + (2.0 * row[2]) * x) + x2 * (3.0 * row[3]);
+        c.bend[r] = 2.0 * row[2] + (6.0 * row[3]) * x;
+    }
+    values_at(field.stiffness, d, c.friction);
+    values_at(field.friction, d, c.friction + field.stiffness.curve_count);
 }
 
 // sum_r g_r c_r, not below zero
@@ -83,52 +101,52 @@ double weighted(std::int32_t count, const double* curve, const double* channel) 
     return sum > 0.0 ? sum : 0.0;
 }
 
-}  // namespace
-
-void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
-             response& found) noexcept {
-    amplitude_taps taps;
-    if (!gather(field, q, taps)) {
-        found = response{};
-        return;
-    }
-    // Curves first: they wait for the depth, while the sums over amplitudes keep the processor busy.
-    double phi[rfield_channel_limit], slope[rfield_channel_limit], bend[rfield_channel_limit];  // phi_r, phi_r', phi_r''
-    double friction[rfield_channel_limit];  // kappa_r, then mu_r
+inline void combine(const palpate_field& field, const curve_values& c, const amplitude_sums& a,
+                    const double distance_gradient[3], response& found) noexcept {
     const std::int32_t energies = field.energy.curve_count;
     const std::int32_t stiffnesses = field.stiffness.curve_count;
-    double x = 0.0;
-    const double* row = row_at(field.energy, depth, x);
-    const double x2 = x * x;
-    for (std::int32_t r = 0; r < energies; ++r, row += 4) {
-        phi[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
-        slope[r] = (row[1] + (2.0 * row[2]) * x) + x2 * (3.0 * row[3]);
-        bend[r] = 2.0 * row[2] + (6.0 * row[3]) * x;
-    }
-    values_at(field.stiffness, depth, friction);
-    values_at(field.friction, depth, friction + stiffnesses);
-
-    amplitude_sums a;
-    field.contract->amplitudes(taps, field.gradient_channels, field.channels, a);
-
     double energy = 0.0, steepness = 0.0, stiffness = 0.0;  // sums of phi_r a_r, phi_r' a_r, phi_r'' a_r
     double gx = 0.0, gy = 0.0, gz = 0.0;
     for (std::int32_t r = 0; r < energies; ++r) {
-        energy += phi[r] * a.value[r];
-        steepness += slope[r] * a.value[r];
-        stiffness += bend[r] * a.value[r];
-        gx += phi[r] * a.dx[r];
-        gy += phi[r] * a.dy[r];
-        gz += phi[r] * a.dz[r];
+        energy += c.phi[r] * a.value[r];
+        steepness += c.slope[r] * a.value[r];
+        stiffness += c.bend[r] * a.value[r];
+        gx += c.phi[r] * a.dx[r];
+        gy += c.phi[r] * a.dy[r];
+        gz += c.phi[r] * a.dz[r];
     }
     const double per_metre = field.amplitudes.inverse_spacing;
     found.energy = energy;
     found.gradient[0] = gx * per_metre - steepness * distance_gradient[0];
     found.gradient[1] = gy * per_metre - steepness * distance_gradient[1];
     found.gradient[2] = gz * per_metre - steepness * distance_gradient[2];
+    found.steepness = steepness;
     found.stiffness = stiffness;
-    found.friction_stiffness = weighted(stiffnesses, friction, a.value + energies);
-    found.friction_coefficient = weighted(field.friction.curve_count, friction + stiffnesses, a.value + energies + stiffnesses);
+    found.friction_stiffness = weighted(stiffnesses, c.friction, a.value + energies);
+    found.friction_coefficient = weighted(field.friction.curve_count, c.friction + stiffnesses, a.value + energies + stiffnesses);
+}
+
+}  // namespace
+
+void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
+             response& found, amplitude_sums& amplitudes) noexcept {
+    amplitude_taps taps;
+    if (!gather(field, q, taps)) {
+        found = response{};
+        amplitudes = amplitude_sums{};
+        return;
+    }
+    curve_values curves;  // first: they wait for the depth, while the sums over amplitudes keep the processor busy
+    curves_at(field, depth, curves);
+    field.contract->amplitudes(taps, field.gradient_channels, field.channels, amplitudes);
+    combine(field, curves, amplitudes, distance_gradient, found);
+}
+
+void respond_again(const palpate_field& field, const amplitude_sums& amplitudes, double depth,
+                    const double distance_gradient[3], response& found) noexcept {
+    curve_values curves;
+    curves_at(field, depth, curves);
+    combine(field, curves, amplitudes, distance_gradient, found);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #ifndef PALPATE_SRC_RESPOND_H
 #define PALPATE_SRC_RESPOND_H
 
+#include "contract.h"
 #include "field.h"
 
 namespace palpate {
@@ -10,14 +11,19 @@ namespace palpate {
 struct response {
     double energy;                // U, J
     double gradient[3];           // grad U, N
+    double steepness;             // dU/dd at fixed amplitudes, N
     double stiffness;             // d2U/dd2 at fixed amplitudes, N/m
     double friction_stiffness;    // k >= 0, N/m
     double friction_coefficient;  // mu >= 0
 };
 
-// The response at q with depth > 0 (m) and grad phi as `locate` found them.
+// The response at q with depth >= 0 (m) and grad phi as `locate` found them; `amplitudes` are those at q.
 void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
-             response& found) noexcept;
+             response& found, amplitude_sums& amplitudes) noexcept;
+
+// The same at another depth, from the amplitudes that were found.
+void respond_again(const palpate_field& field, const amplitude_sums& amplitudes, double depth,
+                    const double distance_gradient[3], response& found) noexcept;
 
 }  // namespace palpate
 

@@ -16,7 +16,9 @@ bool usable(const palpate_config& c) noexcept {
     const auto length = [](double x) { return x >= -1e3 && x <= 1e3; };
     return c.size >= sizeof(palpate_config) && length(c.reference_point[0]) && length(c.reference_point[1]) &&
            length(c.reference_point[2]) && c.friction_coefficient <= 1e6 && c.friction_coefficient >= -1e6 &&
-           c.speed_max >= 0.0 && c.speed_max <= 1e9 && c.dt_max > 0.0 && c.dt_max <= 1e9;
+           c.speed_max >= 0.0 && c.speed_max <= 1e9 && c.dt_max > 0.0 && c.dt_max <= 1e9 &&
+           c.adhesion >= PALPATE_ADHESION_STICK_SLIP && c.adhesion <= PALPATE_ADHESION_DAHL && c.adhesion_start >= 0.0 &&
+           c.adhesion_start <= 0.999 && c.force_max >= 0.0 && c.force_max <= 1e9 && c.passivity_control <= 1;
 }
 
 bool roomy(const void* memory, size_t size) noexcept {
@@ -35,6 +37,8 @@ void palpate_config_default(palpate_config* config) noexcept {
     config->friction_coefficient = -1.0;
     config->speed_max = 10.0;
     config->dt_max = 0.1;
+    config->adhesion = PALPATE_ADHESION_STICK_SLIP;
+    config->adhesion_start = 0.5;
 }
 
 size_t palpate_session_size(void) noexcept { return sizeof(palpate_session); }
@@ -58,6 +62,8 @@ palpate_status palpate_session_init(void* memory, size_t size, const palpate_fie
 
 palpate_status palpate_session_reset(palpate_session* session) noexcept {
     if (session == nullptr) return PALPATE_BAD_ARGUMENT;
+    if (session->next_field != nullptr) session->field = session->next_field;
+    session->next_field = nullptr;
     palpate::begin(*session);
     return PALPATE_OK;
 }
@@ -67,6 +73,12 @@ palpate_status palpate_session_snapshot(const palpate_session* session, void* me
     if (snapshot != nullptr) *snapshot = nullptr;
     if (session == nullptr || snapshot == nullptr || !roomy(memory, size)) return PALPATE_BAD_ARGUMENT;
     *snapshot = new (memory) palpate_session(*session);
+    return PALPATE_OK;
+}
+
+palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) noexcept {
+    if (session == nullptr || field == nullptr) return PALPATE_BAD_ARGUMENT;
+    session->next_field = field == session->field ? nullptr : field;
     return PALPATE_OK;
 }
 

@@ -24,11 +24,13 @@ enum class gate : std::uint32_t {
 // The public name palpate_session.
 struct palpate_session {
     const palpate_field* field;
+    const palpate_field* next_field;  // to change to in the next tick, or null
     palpate_config config;
 
     double q[3];      // m; last usable reference point
     double force[3];  // N; sent at the last tick
     double energy;    // J; U at the last tick, without the spring
+    double offset;    // m; how far the surface has yielded
     palpate::friction_spring spring;
     palpate::accounts books;
     palpate::gate entry;

@@ -111,5 +111,57 @@ TEST(friction, without_stiffness_nothing_is_stretched) {
     EXPECT_EQ(spring_energy(s), 0.0);
 }
 
+TEST(friction, creeping_never_raises_energy_and_never_turns_the_stretch_around) {
+    random_springs random;
+    for (int i = 0; i < 10000; ++i) {
+        friction_spring s = random.spring();
+        const double limit = std::exp(random.normal(random.engine)) * 0.1;
+        yield(s, limit);
+        const friction_spring before = s;
+        const double size = std::exp(3.0 * random.normal(random.engine)) * 1e-4;
+        const double step[3] = {size * random.normal(random.engine), size * random.normal(random.engine), 0.0};
+        creep(s, 1u + static_cast<std::uint32_t>(i % 4), 0.5, limit, step);
+        EXPECT_LE(spring_energy(s), spring_energy(before));
+        EXPECT_GE(dot(s.stretch, before.stretch), 0.0);
+    }
+}
+
+// How far a mass on the spring wanders in `cycles` shakes of 20 % around 50 % of the force that would break it away.
+double wander(std::uint32_t model, int cycles) {
+    const double k = 1000.0, limit = 0.1, mass = 0.05, damping = 10.0, dt = 1e-4;  // N/m, N, kg, N s/m, s
+    friction_spring s{{0, 0, 0}, {0, 0, 1}, k};
+    double x = 0.0, v = 0.0, settled = 0.0;
+    for (int i = 0; i < cycles * 1000; ++i) {
+        const double force = limit * (0.5 + 0.2 * std::sin(6.283185307179586 * i / 1000.0));
+        v += dt * (force - k * s.stretch[0] - damping * v) / mass;
+        const double step[3] = {dt * v, 0, 0};
+        x += step[0];
+        carry(s, step);
+        yield(s, limit);
+        creep(s, model, 0.8, limit, step);
+        if (i == 20 * 1000 - 1) settled = x;
+    }
+    return x - settled;
+}
+
+TEST(friction, shaken_below_breakaway_dahls_contact_drifts_and_the_others_hold) {
+    for (std::uint32_t model : {1u, 2u, 3u}) EXPECT_NEAR(wander(model, 120), 0.0, 1e-8) << model;
+    EXPECT_GT(wander(4, 120), 1e-3);
+    EXPECT_NEAR(wander(4, 220) / wander(4, 120), 2.0, 0.05);  // without end, in proportion to the shakes
+}
+
+TEST(friction, every_adhesion_function_reaches_the_same_limit) {
+    for (std::uint32_t model : {1u, 2u, 3u, 4u}) {
+        friction_spring s{{0, 0, 0}, {0, 0, 1}, 1000.0};
+        const double step[3] = {1e-7, 0, 0};
+        for (int i = 0; i < 20000; ++i) {
+            carry(s, step);
+            yield(s, 0.1);
+            creep(s, model, 0.5, 0.1, step);
+        }
+        EXPECT_NEAR(1000.0 * s.stretch[0], 0.1, 0.1 * 2e-3) << model;
+    }
+}
+
 }  // namespace
 }  // namespace palpate

@@ -11,6 +11,12 @@
 namespace palpate {
 namespace {
 
+// The response alone.
+void respond(const palpate_field& field, const double q[3], double depth, const double gradient[3], response& found) {
+    amplitude_sums amplitudes;
+    palpate::respond(field, q, depth, gradient, found, amplitudes);
+}
+
 response at_point(const palpate_field* field, const point& q) {
     location at;
     locate(*field, q.data(), at);

@@ -47,7 +47,7 @@ extern "C" {
 #endif
 
 /* Changes when a struct or a function changes in a way that compiled code would notice. */
-#define PALPATE_ABI_VERSION 1u
+#define PALPATE_ABI_VERSION 2u
 
 typedef struct palpate_field palpate_field;
 typedef struct palpate_session palpate_session;
@@ -175,19 +175,31 @@ PALPATE_API palpate_status palpate_field_sample(const palpate_field* field, cons
 
 /* ---- session ------------------------------------------------------------------------------------------------- */
 
+/* How a stretched contact slips (Hayward and Armstrong's adhesion functions): whatever is chosen, slip dissipates. */
+typedef enum palpate_adhesion {
+    PALPATE_ADHESION_STICK_SLIP = 1,   /* sticks up to the limit, then slips (default) */
+    PALPATE_ADHESION_SMOOTH = 2,       /* sticks up to adhesion_start of the limit, then slips more and more, smoothly */
+    PALPATE_ADHESION_PROPORTIONAL = 3, /* the same in proportion to the stretch */
+    PALPATE_ADHESION_DAHL = 4          /* never quite sticks: a held contact that is shaken drifts.  For comparison only */
+} palpate_adhesion;
+
 typedef struct palpate_config {
     uint32_t size;
-    uint32_t reserved;            /* 0 */
+    uint32_t adhesion;            /* palpate_adhesion */
     double reference_point[3];    /* m, in the grip's frame: the tool's reference point (ball: its centre) */
     double friction_coefficient;  /* >= 0 replaces the field's mu; negative: the field's own (default) */
     double speed_max;             /* m/s; a faster move is a jump (default 10); 0: no limit */
     double dt_max;                /* s; a longer tick is stale (default 0.1) */
+    double adhesion_start;        /* 0 to 0.999; of SMOOTH and PROPORTIONAL, as a fraction of the limit (default 0.5) */
+    double force_max;             /* N; the device's limit: the surface yields there, and comes back with the tool; 0: none */
+    uint32_t passivity_control;   /* 1: the surface yields by what the hold has given and nothing has dissipated; 0: off */
+    uint32_t reserved;            /* 0 */
 } palpate_config;
 
 /* Sets *config to the defaults above, reference point at the grip; sets config->size. */
 PALPATE_API void palpate_config_default(palpate_config* config) PALPATE_NOEXCEPT;
 
-/* Bytes that a session needs (about 0.4 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
+/* Bytes that a session needs (about 0.5 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
  * snapshot that can be ticked, replayed or restored in the same process while the field is open. */
 PALPATE_API size_t palpate_session_size(void) PALPATE_NOEXCEPT;
 
@@ -199,6 +211,13 @@ PALPATE_API palpate_status palpate_session_init(void* memory, size_t size, const
 
 /* Back to the state after palpate_session_init, accounts at zero. */
 PALPATE_API palpate_status palpate_session_reset(palpate_session* session) PALPATE_NOEXCEPT;
+
+/* Gives the session another field (another tool, tilt or state of the same organ, in the same axes) from the next tick
+ * on; that tick moves in the old field first, then changes, and takes up to 45 further evaluations of curves.  While
+ * touching, stored energy does not rise: where the new field would hold more, its surface yields (surface_offset) until it
+ * does not, and comes back with the tool.  The force may step.  Where the new field has no contact, or a surface that faces
+ * away, contact is released.  Until the next tick returns the old field must stay open. */
+PALPATE_API palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_NOEXCEPT;
 
 /* Copies the session's bytes to `memory` (as in palpate_session_init) and returns the copy in *snapshot. */
 PALPATE_API palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
@@ -230,6 +249,8 @@ typedef struct palpate_tool_state {
 #define PALPATE_TICK_BAD_INPUT 256u     /* * a number that is not finite, dt <= 0, or no unit quaternion: released */
 #define PALPATE_TICK_RELEASED 512u      /* * PALPATE_INPUT_RELEASE was set */
 #define PALPATE_TICK_BAD_ARGUMENT 1024u /* a null pointer or a struct too small: nothing was read or written */
+#define PALPATE_TICK_FORCE_LIMITED 2048u /* the surface yielded to force_max */
+#define PALPATE_TICK_LEAK_COVERED 4096u /* the surface yielded to passivity_control */
 
 typedef struct palpate_tool_response {
     uint32_t size;
@@ -248,10 +269,11 @@ typedef struct palpate_tool_response {
     double friction_coefficient; /* mu in use */
     double stored_energy;        /* J; U + 1/2 k |s|^2 */
     double spring_energy;        /* J; 1/2 k |s|^2 */
+    double surface_offset;       /* m; how far the surface has yielded: the tissue is felt at depth - surface_offset */
     /* Accounts since init or reset, J. */
     double work_in;              /* by the hand: - sum f . dq */
     double dissipated_friction;  /* by slip, growing stiffness, lift-off of a stretched spring */
-    double dissipated_rule;      /* by releases: what was stored when contact was given up */
+    double dissipated_rule;      /* by releases, yielding surfaces and changed fields */
     double hold_leak;            /* by holding the force constant over ticks; signed */
 } palpate_tool_response;
 

@@ -1,0 +1,266 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+// Contact: what the field answers, what friction and the limits make of it, and where the energy goes.  The tissue is felt
+// at the depth d - o; the offset o >= 0 is how far the surface has yielded, and every change of it lowers U:
+//   force_max    o grows until |f| <= force_max.  Clipping the force instead would keep the energy and give it back later.
+//   passivity    o grows by excess / (dU/dd) when the hold has given more than has been dissipated since.  U is convex in d
+//                where tissue stiffens, so that this never takes more than the excess; the rest follows in the next ticks.
+//   next_field   o grows until U of the new field is not above U of the old one at the same place.
+// The surface comes back with the tool: o <= d, where U = 0 anyway.
+#include "contact.h"
+
+#include <cmath>
+
+#include "respond.h"
+#include "vec.h"
+
+namespace palpate {
+namespace {
+
+// |grad phi| below which a normal means nothing (a medial plane); the spring then keeps its old one.
+constexpr double gradient_least = 1e-3;
+
+// Steps of a search for an offset; 2^-40 of a depth is below rounding.
+constexpr int search_limit = 40;
+constexpr double force_tolerance = 1e-6;  // of force_max; the search ends below the limit by at most this
+
+constexpr std::uint32_t zero_force_bits = PALPATE_TICK_UNREACHED | PALPATE_TICK_TOO_DEEP | PALPATE_TICK_PASSED_THROUGH |
+                                          PALPATE_TICK_JUMP | PALPATE_TICK_STALE | PALPATE_TICK_BAD_INPUT |
+                                          PALPATE_TICK_RELEASED;
+
+bool unit(const double v[3], double n[3]) noexcept {
+    const double length = std::sqrt(dot(v, v));
+    if (!(length > gradient_least)) return false;
+    const double scale = 1.0 / length;
+    for (int a = 0; a < 3; ++a) n[a] = v[a] * scale;
+    return true;
+}
+
+// The tissue under the tool, before friction: everything that does not change when the offset does.
+struct tissue {
+    const palpate_field* field;
+    const location* at;
+    double normal[3];
+    amplitude_sums amplitudes;
+};
+
+// What friction makes of a response.
+struct outcome {
+    friction_spring spring;
+    double force[3];  // N
+    double normal_force;
+    double friction_coefficient;
+    bool slipped;
+};
+
+void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3], outcome& o) noexcept {
+    o.normal_force = -dot(r.gradient, under.normal);
+    o.friction_coefficient = config.friction_coefficient >= 0.0 ? config.friction_coefficient : r.friction_coefficient;
+    const double limit = o.normal_force > 0.0 ? o.friction_coefficient * o.normal_force : 0.0;
+    stiffen(o.spring, r.friction_stiffness);
+    o.slipped = yield(o.spring, limit);
+    if (config.adhesion != PALPATE_ADHESION_STICK_SLIP) creep(o.spring, config.adhesion, config.adhesion_start, limit, step);
+    for (int a = 0; a < 3; ++a) o.force[a] = -r.gradient[a] - o.spring.stiffness * o.spring.stretch[a];
+}
+
+// Yields until |f| <= force_max: between the offset that is there (too strong) and the depth (no force at all).  Illinois
+// rule on |f| - force_max; the end that is kept is always on the weak side.
+void limit_force(const palpate_config& config, const tissue& under, const double step[3], const friction_spring& before,
+                 double& offset, response& r, outcome& o) noexcept {
+    const auto excess = [&config](const double f[3]) { return std::sqrt(dot(f, f)) - config.force_max; };
+    double strong = offset, weak = under.at->depth;
+    double strong_excess = excess(o.force), weak_excess = -config.force_max;
+    bool found = false;
+    int side = 0;
+    for (int i = 0; i < search_limit; ++i) {
+        // The last steps halve, so that the end is bounded whatever the curve.
+        const double share = i < search_limit / 2 ? strong_excess / (strong_excess - weak_excess) : 0.5;
+        const double tried = strong + share * (weak - strong);
+        response rt;
+        respond_again(*under.field, under.amplitudes, under.at->depth - tried, under.at->gradient, rt);
+        outcome ot;
+        ot.spring = before;
+        settle(config, under, rt, step, ot);
+        const double e = excess(ot.force);
+        if (e > 0.0) {
+            strong = tried;
+            strong_excess = e;
+            if (side == 1) weak_excess *= 0.5;
+            side = 1;
+        } else {
+            weak = tried;
+            weak_excess = e;
+            r = rt;
+            o = ot;
+            found = true;
+            if (e >= -force_tolerance * config.force_max) break;
+            if (side == -1) strong_excess *= 0.5;
+            side = -1;
+        }
+    }
+    offset = weak;
+    if (!found) {
+        respond_again(*under.field, under.amplitudes, 0.0, under.at->gradient, r);
+        o.spring = before;
+        settle(config, under, r, step, o);
+        offset = under.at->depth;
+    }
+}
+
+// Settles, limits and tells.  On entry `spring` has been carried and turned, and E = r.energy + spring_energy(spring) is
+// what the accounts say is stored.
+void feel(palpate_session& s, const motion& m, const tissue& under, response& r, const friction_spring& spring, double offset,
+          std::uint32_t& status, palpate_tool_response& out) noexcept {
+    const double felt = r.energy;
+    const double held = spring_energy(spring);
+    outcome o;
+    o.spring = spring;
+    settle(s.config, under, r, m.step, o);
+    if (s.config.force_max > 0.0 && dot(o.force, o.force) > s.config.force_max * s.config.force_max) {
+        limit_force(s.config, under, m.step, spring, offset, r, o);
+        status |= PALPATE_TICK_FORCE_LIMITED;
+        s.books.dissipated_rule += felt - r.energy;
+    }
+    const double stretched = spring_energy(o.spring);
+    s.books.dissipated_friction += held - stretched;
+    if (o.slipped) status |= PALPATE_TICK_SLIPPING;
+    if (under.at->depth - offset > under.field->depth_max) status |= PALPATE_TICK_EXTRAPOLATED;
+
+    s.touching = true;
+    s.energy = r.energy;
+    s.offset = offset;
+    s.spring = o.spring;
+    const double* f = o.force;
+    for (int a = 0; a < 3; ++a) {
+        s.force[a] = f[a];
+        out.force[a] = f[a];
+        out.reference_point[a] = m.q[a];
+        out.anchor[a] = m.q[a] - o.spring.stretch[a];
+        out.normal[a] = under.normal[a];
+    }
+    out.torque[0] = m.arm[1] * f[2] - m.arm[2] * f[1];
+    out.torque[1] = m.arm[2] * f[0] - m.arm[0] * f[2];
+    out.torque[2] = m.arm[0] * f[1] - m.arm[1] * f[0];
+    out.normal_force = o.normal_force;
+    out.stiffness = r.stiffness;
+    out.friction_stiffness = o.spring.stiffness;
+    out.friction_coefficient = o.friction_coefficient;
+    out.stored_energy = r.energy + stretched;
+    out.spring_energy = stretched;
+    out.surface_offset = offset;
+}
+
+}  // namespace
+
+void let_go(palpate_session& s) noexcept {
+    s.touching = false;
+    s.energy = 0.0;
+    s.offset = 0.0;
+    s.spring = friction_spring{};
+    for (double& f : s.force) f = 0.0;
+}
+
+void give_up(palpate_session& s, double work) noexcept {
+    release(s.books, work, s.energy + spring_energy(s.spring));
+    let_go(s);
+}
+
+void lift_off(palpate_session& s, double work, const double step[3]) noexcept {
+    const double before = s.energy + spring_energy(s.spring);
+    carry(s.spring, step);
+    const double spring = spring_energy(s.spring);
+    hold(s.books, work, before, spring);
+    s.books.dissipated_friction += spring;
+    let_go(s);
+}
+
+// What needs the normal alone is done before the response, so that the processor can do both at once.
+bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
+    tissue under;
+    under.field = s.field;
+    under.at = &at;
+    friction_spring spring = s.spring;
+    for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
+    const bool has_normal = unit(at.gradient, under.normal);
+    const bool turned_over = s.touching ? dot(under.normal, spring.normal) < 0.0 : !has_normal;
+    if (s.touching) {
+        carry(spring, m.step);
+    } else {
+        touch_down(spring, under.normal);
+    }
+    const double held = spring_energy(spring);
+    if (has_normal && !turned_over) turn(spring, under.normal);
+
+    double offset = s.offset < at.depth ? s.offset : at.depth;
+    response r;
+    respond(*s.field, m.q, at.depth - offset, at.gradient, r, under.amplitudes);
+    if (s.entry == gate::zero_energy && r.energy == 0.0) s.entry = gate::open;
+    if (s.entry != gate::open) {
+        if ((status & zero_force_bits) == 0) status |= PALPATE_TICK_WAITING;
+        return false;
+    }
+    if (turned_over) {  // within one tick, or begun without any normal: the middle of a thin lobe
+        status |= PALPATE_TICK_PASSED_THROUGH;
+        s.entry = gate::closed;
+        return false;
+    }
+    hold(s.books, m.work, s.energy + spring_energy(s.spring), r.energy + held);
+
+    if (s.config.passivity_control != 0) {
+        const double excess = s.books.hold_leak - s.books.dissipated_friction - s.books.dissipated_rule;
+        if (excess > 0.0 && r.steepness > 0.0) {
+            const double room = at.depth - offset;
+            const double more = excess / r.steepness;
+            const double tried = offset + (more < room ? more : room);
+            response weaker;
+            respond_again(*s.field, under.amplitudes, at.depth - tried, at.gradient, weaker);
+            if (weaker.energy < r.energy) {
+                s.books.dissipated_rule += r.energy - weaker.energy;
+                r = weaker;
+                offset = tried;
+                status |= PALPATE_TICK_LEAK_COVERED;
+            }
+        }
+    }
+    feel(s, m, under, r, spring, offset, status, out);
+    return true;
+}
+
+bool change_field_in_contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status,
+                             palpate_tool_response& out) noexcept {
+    tissue under;
+    under.field = s.next_field;
+    under.at = &at;
+    friction_spring spring = s.spring;
+    for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
+    const bool has_normal = unit(at.gradient, under.normal);
+    if (at.region != PALPATE_REGION_CONTACT || dot(under.normal, spring.normal) < 0.0) {
+        give_up(s, 0.0);
+        return false;
+    }
+    if (has_normal) turn(spring, under.normal);
+    response r;
+    respond(*under.field, m.q, at.depth, at.gradient, r, under.amplitudes);
+    double offset = 0.0;
+    if (r.energy > s.energy) {
+        double strong = 0.0, weak = at.depth;
+        respond_again(*under.field, under.amplitudes, 0.0, at.gradient, r);  // no energy
+        for (int i = 0; i < search_limit; ++i) {
+            const double tried = 0.5 * (strong + weak);
+            response rt;
+            respond_again(*under.field, under.amplitudes, at.depth - tried, at.gradient, rt);
+            if (rt.energy > s.energy) {
+                strong = tried;
+            } else {
+                weak = tried;
+                r = rt;
+            }
+        }
+        offset = weak;
+    }
+    s.books.dissipated_rule += s.energy - r.energy;
+    feel(s, m, under, r, spring, offset, status, out);
+    return true;
+}
+
+}  // namespace palpate

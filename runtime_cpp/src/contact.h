@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The palpate authors
+// SPDX-License-Identifier: Apache-2.0
+#ifndef PALPATE_SRC_CONTACT_H
+#define PALPATE_SRC_CONTACT_H
+
+#include "locate.h"
+#include "session.h"
+
+namespace palpate {
+
+// What a tick knows when it comes to contact.
+struct motion {
+    double q[3];     // m; where the reference point is now
+    double step[3];  // m; from the last tick's; 0 when that is not known
+    double arm[3];   // m; from the grip to q
+    double work;     // J; by the hand, - f . step
+};
+
+// Contact at m.q; fills `out`.  False (with a status bit) where it cannot be: the caller ends it.
+bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) noexcept;
+
+// Contact goes on in s.next_field at s.q; fills `out`.  False (everything given up) where that field has no contact.
+bool change_field_in_contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status,
+                             palpate_tool_response& out) noexcept;
+
+// The ends of contact.  Nothing is stored and nothing is sent any more; the accounts are not touched.
+void let_go(palpate_session& s) noexcept;
+// All that is left is dissipated.
+void give_up(palpate_session& s, double work) noexcept;
+// The tool came free by itself: U is 0, the spring's rest is dissipated.
+void lift_off(palpate_session& s, double work, const double step[3]) noexcept;
+
+}  // namespace palpate
+
+#endif

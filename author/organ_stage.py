@@ -23,7 +23,7 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Material, Region, Support
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
-from palpate.fem_offline.errors import MeshError
+from palpate.fem_offline.errors import MeshError, SurfaceError
 from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.organ import Organ, faces_held
 from palpate.fem_offline.signed_distance import SignedDistance
@@ -158,6 +158,10 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         tets, mesh_report = store.kept(
             "mesh", mesh_key, lambda: _tetrahedralise(vertices, triangles, surface_report, size)
         )
+    except SurfaceError as error:
+        key = "organ.repair" if table.repair == "none" else "organ.surface"
+        what = f"does not do for {table.surface.name}: {error.what}"
+        raise InputError(scene.problem(key, table.repair, what, error.expected)) from error
     except MeshError as error:
         key = "organ.mesh_size" if "mesh_size" in f"{error.where}" else "organ.surface"
         raise InputError(scene.problem(key, None, error.what, error.expected)) from error

@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from palpate.author.effort import NODES_AT_LEAST, node_count
+from palpate.author.effort import NODES_AT_LEAST, PRESS_SECONDS, node_count
 from palpate.author.errors import InputError
-from palpate.author.effort import PRESS_SECONDS
 from palpate.author.plan import plan
 from palpate.author.scene import load_scene
 

@@ -40,10 +40,13 @@ def _asset(path: Path) -> Answer:
 
     folder = path if path.is_dir() else path.parent
     found = [_tool(read_field(path, name)) for name in tools(path)]
-    files = sorted(file for file in folder.rglob("*") if file.is_file())
+    everything = sorted(file for file in folder.rglob("*") if file.is_file())
+    files = [file for file in everything if file.relative_to(folder).parts[0] != "work"]
     result = {
         "asset": str(path),
         "bytes": sum(file.stat().st_size for file in files),
+        "work_bytes": sum(file.stat().st_size for file in everything)
+        - sum(file.stat().st_size for file in files),
         "files": [{"path": str(f.relative_to(folder)), "bytes": f.stat().st_size} for f in files],
         "tools": found,
     }
@@ -60,7 +63,13 @@ def _asset(path: Path) -> Answer:
             f"{100 * tool['residual']['p95']:.2f} %",
             f"{1e6 * tool['geometry']['error_p99']:.0f}",
         )
-    return Answer(result, [f"{path}: {result['bytes'] / 1024:.0f} KiB in {len(files)} files", table])
+    return Answer(
+        result,
+        [
+            f"{path}: {result['bytes'] / 1024:.0f} KiB in {len(files)} files, and {result['work_bytes'] / 2**20:.0f} MiB of kept work",
+            table,
+        ],
+    )
 
 
 def _tool(field: Any) -> dict[str, Any]:

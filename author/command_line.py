@@ -181,6 +181,32 @@ def inspect(
 
 
 @app.command()
+def replay(
+    field: Annotated[Path, typer.Argument(metavar="FIELD", help=".rfield")],
+    trace: Annotated[Path, typer.Argument(metavar="TRACE", help="x, y, z, dt in m and s; .csv or .npz")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="the trace with forces and energies")
+    ] = None,
+    friction: Annotated[
+        float | None, typer.Option("--friction", min=0, help="coefficient in place of the field's")
+    ] = None,
+    force_max: Annotated[
+        float, typer.Option("--force-max", min=0, help="N; the device's limit; 0: none")
+    ] = 0.0,
+    as_json: Json = False,
+) -> None:
+    """Send a recorded trace through the runtime: forces and energies out."""
+
+    def work() -> Answer:
+        from palpate.author.replay import replay as replayed
+
+        result = replayed(field, trace, out, friction=friction, force_max=force_max)
+        return Answer(result, [_replay_lines(result)])
+
+    _end(work, as_json)
+
+
+@app.command()
 def bench(
     field: Annotated[
         Path | None, typer.Argument(metavar="[FIELD]", help=".rfield; a shipped one when absent")
@@ -256,6 +282,20 @@ def _press_lines(result: dict[str, Any]) -> str:
     lines += [f"{1e3 * d:10.3f}  {f:9.4f}  {1e3 * u:11.5f}" for d, f, u in rows]
     state = "converged" if result["converged"] else f"NOT converged: {result['reason']}"
     return "\n".join([*lines, f"{state}, {result['unknowns']} unknowns, {result['seconds']:.1f} s"])
+
+
+def _replay_lines(result: dict[str, Any]) -> str:
+    names = (
+        "work_in",
+        "stored_energy",
+        "dissipated_friction",
+        "dissipated_rule",
+        "hold_leak",
+        "balance_error",
+    )
+    lines = [f"{result['ticks']} ticks, {result['seconds']:.3g} s, at most {result['force_max_seen']:.3g} N"]
+    lines += [f"{name}: {result[name]:.6g} J" for name in names]
+    return "\n".join(lines + [f"{count} ticks: {sentence}" for sentence, count in result["status"].items()])
 
 
 def _percentiles(error: dict[str, float]) -> str:

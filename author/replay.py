@@ -30,8 +30,10 @@ __all__ = ["RESULT_COLUMNS", "read_trace", "replay", "write_trace"]
 VECTORS = {"force": "f", "torque": "t", "anchor": "c", "normal": "n"}
 SCALARS = (
     "status", "region", "depth", "normal_force", "stiffness", "friction_stiffness", "friction_coefficient",
-    "stored_energy", "spring_energy", "surface_offset", "work_in", "dissipated_friction", "dissipated_rule", "hold_leak",
+    "stored_energy", "spring_energy", "surface_offset", "work_in", "dissipated_friction", "dissipated_rule",
+    "hold_leak",
 )  # fmt: skip
+ENERGIES = ("work_in", "stored_energy", "dissipated_friction", "dissipated_rule", "hold_leak")
 RESULT_COLUMNS = (*(f"{short}{axis}" for short in VECTORS.values() for axis in "xyz"), *SCALARS)
 
 
@@ -84,15 +86,12 @@ def replay(
         "out": None if out is None else str(out),
         "ticks": len(r),
         "seconds": float(np.sum(table["dt"])),
-        **{name: float(r[-1][name]) for name in SCALARS if name in ENERGIES},
+        **{name: float(r[-1][name]) for name in ENERGIES},
         "balance_error": _balance_error(r),
         "force_max_seen": float(np.linalg.norm(r["force"], axis=1).max()),
         "depth_max_seen": float(r["depth"].max()),
         "status": _status(r["status"]),
     }
-
-
-ENERGIES = {"stored_energy", "work_in", "dissipated_friction", "dissipated_rule", "hold_leak"}
 
 
 def read_trace(path: Path) -> dict[str, np.ndarray]:
@@ -104,8 +103,14 @@ def read_trace(path: Path) -> dict[str, np.ndarray]:
             with np.load(path, allow_pickle=False) as stored:
                 table = {name: np.asarray(stored[name], dtype=np.float64) for name in stored.files}
         else:
-            rows = np.genfromtxt(path, delimiter=",", names=True, dtype=np.float64, ndmin=1)
-            table = {name: rows[name] for name in rows.dtype.names or ()}
+            head, *lines = path.read_text(encoding="utf-8").splitlines() or [""]
+            if not any(line.strip() for line in lines):
+                raise ValueError("no rows")
+            names = [name.strip() for name in head.split(",")]
+            rows = np.loadtxt(lines, delimiter=",", dtype=np.float64, ndmin=2)
+            if rows.shape[1] != len(names):
+                raise ValueError(f"{len(names)} names for {rows.shape[1]} columns")
+            table = dict(zip(names, rows.T, strict=True))
     except (ValueError, OSError) as error:
         what = "cannot be read as a table of numbers"
         raise InputError(

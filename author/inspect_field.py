@@ -63,10 +63,11 @@ def _asset(path: Path) -> Answer:
             f"{100 * tool['residual']['p95']:.2f} %",
             f"{1e6 * tool['geometry']['error_p99']:.0f}",
         )
+    size, work = f"{result['bytes'] / 1024:.0f} KiB", f"{result['work_bytes'] / 2**20:.0f} MiB"
     return Answer(
         result,
         [
-            f"{path}: {result['bytes'] / 1024:.0f} KiB in {len(files)} files, and {result['work_bytes'] / 2**20:.0f} MiB of kept work",
+            f"{path}: {size} in {len(files)} files, and {work} of kept work",
             table,
         ],
     )

@@ -9,6 +9,7 @@ keeps the organ it works on, and far fields go through the store, so that anothe
 from __future__ import annotations
 
 import ast
+import atexit
 import multiprocessing
 import os
 import threading
@@ -191,6 +192,7 @@ def _follow_parent(parent: int) -> None:
 
 
 def _start_worker(slots, parent: int) -> None:
+    atexit.register(_LAST.clear)  # search trees that outlive the interpreter make their library complain
     threading.Thread(target=_follow_parent, args=(parent,), daemon=True).start()
     slot = slots.get()
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "palpate" / f"warp-{slot}"

@@ -1,15 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as a trace on the field named by the environment variable PALPATE_FUZZ_FIELD.  Laws: answers are finite,
-// the energy accounts balance with the work recomputed outside, dissipation never falls.
+// the energy accounts balance with the work recomputed outside, dissipation never falls, limits are kept; with every
+// adhesion function, device limits, and changes to a field three times as stiff.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <vector>
 
+#include "crc32.h"
 #include "palpate/palpate.h"
+#include "rfield_layout.h"
 
 namespace {
 
@@ -17,23 +22,45 @@ void require(bool law) {
     if (!law) std::abort();
 }
 
-const palpate_field* shared_field() {
-    static palpate_field* field = nullptr;
-    if (field == nullptr) {
-        char why[256] = "set PALPATE_FUZZ_FIELD to an .rfield";
+struct two_fields {
+    palpate_field* soft = nullptr;   // the one that was named
+    palpate_field* stiff = nullptr;  // three times as stiff
+};
+
+const two_fields& fields() {
+    static const two_fields opened = [] {
+        two_fields f;
         const char* path = std::getenv("PALPATE_FUZZ_FIELD");
-        if (path == nullptr || palpate_field_open_file(path, &field, why, sizeof why) != PALPATE_OK) {
-            std::fprintf(stderr, "%s\n", why);
+        std::ifstream file(path != nullptr ? path : "", std::ios::binary);
+        std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+        char why[256] = "";
+        if (palpate_field_open(bytes.data(), bytes.size(), 0, &f.soft, why, sizeof why) != PALPATE_OK) {
+            std::fprintf(stderr, "set PALPATE_FUZZ_FIELD to an .rfield: %s\n", why);
             std::exit(2);
         }
-    }
-    return field;
+        palpate::rfield_header head;
+        std::memcpy(&head, bytes.data(), sizeof head);
+        for (std::uint64_t i = 0; i < head.section_elements[palpate::section_energy_curves]; ++i) {
+            char* at = bytes.data() + head.section_offset[palpate::section_energy_curves] + 8 * i;
+            double c;
+            std::memcpy(&c, at, 8);
+            c *= 3.0;
+            std::memcpy(at, &c, 8);
+        }
+        head.checksum = 0;
+        std::memcpy(bytes.data(), &head, sizeof head);
+        head.checksum = palpate::crc32(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+        std::memcpy(bytes.data(), &head, sizeof head);
+        require(palpate_field_open(bytes.data(), bytes.size(), 0, &f.stiff, why, sizeof why) == PALPATE_OK);
+        return f;
+    }();
+    return opened;
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const palpate_field* field = shared_field();
+    const palpate_field* field = fields().soft;
     palpate_field_info info{};
     info.size = sizeof info;
     palpate_field_describe(field, &info);
@@ -42,6 +69,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     palpate_config config;
     palpate_config_default(&config);
     config.friction_coefficient = size > 0 ? data[0] / 64.0 : 0.0;
+    const std::uint8_t choices = size > 1 ? data[1] : 0;
+    config.adhesion = 1u + choices % 4u;
+    config.force_max = (choices & 4u) != 0 ? 0.05 : 0.0;
+    config.passivity_control = choices >> 3 & 1u;
     require(palpate_session_init(memory.data(), memory.size() * 8, field, &config, &session) == PALPATE_OK);
 
     palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}};
@@ -51,7 +82,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     double work = 0.0, moved = 0.0;
     bool known = false;
     // Each tick takes one byte of kind and then what it needs.
-    for (std::size_t i = 1; i + 25 <= size;) {
+    for (std::size_t i = 2; i + 25 <= size;) {
         const std::uint8_t kind = data[i++];
         const palpate_tool_state last = state;
         state.dt = 1e-3;
@@ -65,8 +96,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         } else if (kind == 253) {
             std::memcpy(&state.dt, data + i, sizeof state.dt);
             i += sizeof state.dt;
-        } else {
+        } else if (kind == 254) {
             state.flags |= PALPATE_INPUT_RELEASE;
+        } else {
+            palpate_session_set_field(session, (data[i++] & 1u) != 0 ? fields().stiff : fields().soft);
         }
         before = now;
         const std::uint32_t status = palpate_tick(session, &state, &now);
@@ -79,6 +112,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             }
         }
         known = usable;
+        if (config.force_max > 0.0) {
+            require(std::sqrt(now.force[0] * now.force[0] + now.force[1] * now.force[1] + now.force[2] * now.force[2]) <=
+                    config.force_max * (1.0 + 1e-15));
+        }
         if (!usable) {
             for (int a = 0; a < 3; ++a) state.position[a] = 0.5 * (info.box_min[a] + info.box_max[a]);
             state.dt = 1e-3;

@@ -31,7 +31,7 @@ __all__ = ["author", "ladder", "node_jobs"]
 
 LADDER_STEPS = 10
 """Depths of a normal ladder, evenly spaced: a step of 0.1 R at depth R."""
-NEAR_CHECKS = 3
+NEAR_CHECKS = 2
 """Held-out points pressed at near_field fidelity as well, so that the far field's own error is known."""
 TRUTH = "full"
 """Fidelity of held-out presses."""

@@ -29,7 +29,7 @@ def block(out, tmp_path_factory):
     """The shipped scene with a smaller reach and fewer presses, and its result."""
     text = scene_path("palpation_block").read_text()
     text = text.replace('"../phantoms/', f'"{scene_path("palpation_block").parents[1]}/phantoms/')
-    text = text.replace('radius = "18 mm"', 'radius = "8 mm"').replace("held_out = 4", "held_out = 1")
+    text = text.replace('radius = "15 mm"', 'radius = "8 mm"').replace("held_out = 4", "held_out = 1")
     path = tmp_path_factory.mktemp("scene") / "block.toml"
     path.write_text(text)
     scene = load_scene(path)

@@ -65,8 +65,10 @@ struct stopwatch {
     }
 };
 
+enum class ticks_wanted { contact, free, all };
+
 // Fastest of the passes for each timed tick that ended as wanted, ns, sorted.
-std::vector<double> time_ticks(const palpate_field* field, const std::vector<tick>& path, bool in_contact, bool cold,
+std::vector<double> time_ticks(const palpate_field* field, const std::vector<tick>& path, ticks_wanted wanted, bool cold,
                                const stopwatch& watch) {
     std::vector<std::uint64_t> memory((palpate_session_size() + 7) / 8);
     std::vector<unsigned char> flush(cold ? flush_bytes : 0, 1);
@@ -76,7 +78,8 @@ std::vector<double> time_ticks(const palpate_field* field, const std::vector<tic
         palpate_session* session = nullptr;
         palpate_config config;
         palpate_config_default(&config);
-        config.speed_max = 0.0;  // from one contact to the next is a jump that the bench makes on purpose
+        // From one contact to the next is a jump that the bench makes on purpose.
+        if (wanted != ticks_wanted::all) config.speed_max = 0.0;
         palpate_session_init(memory.data(), memory.size() * 8, field, &config, &session);
         palpate_tool_state state{};
         state.size = sizeof state;
@@ -92,7 +95,8 @@ std::vector<double> time_ticks(const palpate_field* field, const std::vector<tic
             const std::uint64_t start = stamp();
             palpate_tick(session, &state, &response);
             const std::uint64_t end = stamp();
-            const bool as_wanted = (response.region == PALPATE_REGION_CONTACT && response.normal_force != 0.0) == in_contact;
+            const bool felt = response.region == PALPATE_REGION_CONTACT && response.normal_force != 0.0;
+            const bool as_wanted = wanted == ticks_wanted::all || felt == (wanted == ticks_wanted::contact);
             if (!path[i].timed || !as_wanted) continue;
             best[i] = std::min(best[i], static_cast<double>(end - start) * watch.unit - watch.overhead);
         }
@@ -151,16 +155,17 @@ extern "C" palpate_status palpate_bench(const char* path, char* json, size_t siz
     const stopwatch watch;
     const auto at = contacts(field, 200, 1);
     const std::vector<contact> few(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(at.size(), 8)));
-    const std::string stick = summary(time_ticks(field, sticking(at), true, false, watch));
-    const std::string slide = summary(time_ticks(field, sliding(field, at), true, false, watch));
-    const std::string hover = summary(time_ticks(field, hovering(field, at), false, false, watch));
-    const std::string first = summary(time_ticks(field, tapping(field, at), true, false, watch));
-    const std::string cold = summary(time_ticks(field, sliding(field, few), true, true, watch));
+    const std::string stick = summary(time_ticks(field, sticking(at), ticks_wanted::contact, false, watch));
+    const std::string slide = summary(time_ticks(field, sliding(field, at), ticks_wanted::contact, false, watch));
+    const std::string hover = summary(time_ticks(field, hovering(field, at), ticks_wanted::free, false, watch));
+    const std::string first = summary(time_ticks(field, tapping(field, at), ticks_wanted::contact, false, watch));
+    const std::string cold = summary(time_ticks(field, sliding(field, few), ticks_wanted::contact, true, watch));
+    const std::string hard = summary(time_ticks(field, adversarial(field, at, 1000000), ticks_wanted::all, false, watch));
     palpate_field_close(field);
     std::snprintf(json, size,
-                  "{\"stick_ns\": %s, \"slide_ns\": %s, \"free_ns\": %s, \"first_contact_ns\": %s, \"cold_ns\": %s, "
+                  "{\"stick_ns\": %s, \"slide_ns\": %s, \"free_ns\": %s, \"first_contact_ns\": %s, \"cold_ns\": %s, \"adversarial_ns\": %s, "
                   "\"load_ms\": %.3f, \"bytes\": %llu, \"machine\": \"%s\"}",
-                  stick.c_str(), slide.c_str(), hover.c_str(), first.c_str(), cold.c_str(), load,
+                  stick.c_str(), slide.c_str(), hover.c_str(), first.c_str(), cold.c_str(), hard.c_str(), load,
                   static_cast<unsigned long long>(info.bytes), machine().c_str());
     return PALPATE_OK;
 }

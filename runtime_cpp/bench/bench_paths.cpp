@@ -123,4 +123,34 @@ std::vector<tick> tapping(const palpate_field* field, const std::vector<contact>
     return path;
 }
 
+std::vector<tick> adversarial(const palpate_field* field, const std::vector<contact>& at, std::size_t count) {
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal(0.0, 1.0);
+    const palpate_field_info info = describe(field);
+    const double depth = depth_of_contact(field);
+    std::vector<tick> path;
+    while (path.size() < count && !at.empty()) {
+        const contact& c = at[random() % at.size()];
+        path.push_back({along(c.q, c.normal, depth + 1e-3), true});  // free here, so that contact may begin
+        for (int i = 0; i < 40; ++i) {
+            const double depths[] = {1e-9, 1e-6, 0.5 * depth, depth, info.depth_max, info.tool_offset - info.band[0], -1e-4};
+            point q = along(c.q, c.normal, depth - depths[random() % 7]);
+            for (double& x : q) x += 1e-4 * normal(random);
+            const auto kind = random() % 8;
+            if (kind < 4) {  // to the nearest border of a cell of either lattice, exactly or almost
+                const double spacing = kind < 2 ? info.geometry_spacing : info.amplitude_spacing;
+                for (std::size_t a = 0; a < 3; ++a) {
+                    q[a] = info.box_min[a] + spacing * std::nearbyint((q[a] - info.box_min[a]) / spacing) + 1e-15 * normal(random);
+                }
+            } else if (kind == 4) {  // 9.9 mm: as far as 10 m/s go in a millisecond
+                q = along(path.back().q, c.normal, random() % 2 == 0 ? 9.9e-3 : -9.9e-3);
+            } else if (kind == 5 && random() % 16 == 0) {
+                q[random() % 3] += random() % 2 == 0 ? 1.0 : -1.0;
+            }
+            path.push_back({q, true});
+        }
+    }
+    return path;
+}
+
 }  // namespace palpate_bench_paths

@@ -36,6 +36,10 @@ std::vector<tick> hovering(const palpate_field* field, const std::vector<contact
 // Just outside, just inside (timed), again and again.
 std::vector<tick> tapping(const palpate_field* field, const std::vector<contact>& at);
 
+// Every tick meant to be slow: on and beside cell borders, at first contact and the band's edges, with strokes between places,
+// moves along a stroke as long as speed_max allows, and jumps of 1 m.
+std::vector<tick> adversarial(const palpate_field* field, const std::vector<contact>& at, std::size_t count);
+
 }  // namespace palpate_bench_paths
 
 #endif

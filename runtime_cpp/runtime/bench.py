@@ -15,10 +15,11 @@ __all__ = ["bench"]
 
 
 def bench(path: str | os.PathLike) -> dict[str, Any]:
-    """Time the runtime on the .rfield at `path` (some seconds).
+    """Time the runtime on the .rfield at `path` (about ten seconds).
 
     Returns:
-        stick_ns, slide_ns, free_ns, first_contact_ns, cold_ns (6 MB touched between ticks), each
+        stick_ns, slide_ns, free_ns, first_contact_ns, cold_ns (6 MB touched between ticks),
+        adversarial_ns (a million ticks made to be slow), each
         {p50, p99, p999, max, count} in ns (None where the field offers no such tick); load_ms; bytes; machine.
 
     Raises:

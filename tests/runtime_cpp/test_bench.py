@@ -11,7 +11,7 @@ def test_bench_reports_every_kind_of_tick(tmp_path, plane):
     path = tmp_path / "plane.rfield"
     path.write_bytes(plane.data)
     found = bench(path)
-    kinds = {"stick_ns", "slide_ns", "free_ns", "first_contact_ns", "cold_ns"}
+    kinds = {"stick_ns", "slide_ns", "free_ns", "first_contact_ns", "cold_ns", "adversarial_ns"}
     assert set(found) == kinds | {"load_ms", "bytes", "machine"}
     for name in kinds:
         t = found[name]

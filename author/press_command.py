@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +25,17 @@ __all__ = ["press"]
 
 def press(
     scene: Scene,
-    at: tuple[float, float, float],
+    at: Sequence[float],
     tool: str,
     depth: float,
-    lateral: tuple[float, float] | None = None,
+    lateral: Sequence[float] | None = None,
     fidelity: str = "near_field",
     progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Press `tool` at the surface point nearest to `at` (m) down to `depth` (m).
+    """Press `tool` at the surface point nearest to `at` (3 coordinates, m) down to `depth` (m).
+
+    Args:
+        lateral: two lengths (m) along the surface's tangents; the contact then sticks and moves aside.
 
     Returns:
         What `palpate press --json` prints.
@@ -64,7 +68,7 @@ def press(
             reference.offset,
             tuple(map(float, ladder(depth))),
             fidelity,
-            lateral=lateral,
+            lateral=None if lateral is None else (float(lateral[0]), float(lateral[1])),
         )
         progress.stage("press")
         with press_executor(1) as executor:

@@ -55,7 +55,10 @@ sys.exit(main(["author", sys.argv[1], "--out", "out", "--json"]))
 
 def test_a_real_interrupt_ends_cleanly(write_scene: Callable[..., Path]) -> None:
     command = [sys.executable, "-c", LONG_WORK, str(write_scene())]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    # A shell that runs this in the background leaves SIGINT ignored, and children inherit that.
+    default = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, preexec_fn=default) as process:
         assert process.stderr is not None
         for line in process.stderr:
             if line.startswith("pressing"):

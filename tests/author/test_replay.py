@@ -60,7 +60,9 @@ def test_the_force_limit_and_friction_reach_the_runtime(field, tmp_path):
     write_trace(tmp_path / "t.csv", press())
     free = replay(field, tmp_path / "t.csv", friction=0.0)
     rough = replay(field, tmp_path / "t.csv", friction=0.5)
-    assert free["dissipated_friction"] < 0.05 * rough["dissipated_friction"]  # the spring's share within a tick
+    assert (
+        free["dissipated_friction"] < 0.05 * rough["dissipated_friction"]
+    )  # the spring's share within a tick
     limited = replay(field, tmp_path / "t.csv", force_max=0.02)
     assert limited["force_max_seen"] <= 0.02 < free["force_max_seen"]
     assert any("yielded" in sentence for sentence in limited["status"])

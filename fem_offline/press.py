@@ -215,6 +215,7 @@ def press(
     settings: PressSettings = PressSettings(),
     moves: Callable[[int, PressState], np.ndarray | None] = lambda index, state: None,
     progress: Callable[[float], None] = lambda depth: None,
+    watch: Callable[[float, Equilibrium], None] = lambda depth, found: None,
 ) -> PressRecord:
     """Press `tool` into a site along -normal.
 
@@ -223,6 +224,7 @@ def press(
         moves: of the index in `depths` and the state there, tool translations (M, 3) m tried one after the other
             with the contact stuck (each starts where the last one ended), or None.
         progress: called with each depth reached.
+        watch: called with each recorded equilibrium, before any lateral move.
 
     Returns:
         The record, as deep as it came; `converged` and `reason` say whether that was all.
@@ -252,6 +254,7 @@ def press(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
                  touch.penetration, stiffness)
             )  # fmt: skip
+            watch(float(depth), found)
             wanted = moves(index, PressState(site.normal, touch.force, stiffness))
             if wanted is not None:
                 ladders.append(_lateral_ladder(site, found, stuck, float(depth), wanted, settings, ladder))

@@ -2,29 +2,34 @@
 # SPDX-License-Identifier: Apache-2.0
 """Energy, nodal forces and Hessian of quadratic tetrahedra, as Warp kernels.
 
-    W(u) = sum_e [ sum_{q=0..3} V/4 (psi_iso(F_q) + psi_vol(F_q; kappa_full)) + V psi_vol(F_c; kappa_centre) ]
+    W(u) = sum_e sum_m fraction_em W_em
+    W_em = sum_{q=0..3} V/4 (psi_iso(F_q) + psi_vol(F_q; kappa_full)) + V psi_vol(F_c; kappa_centre)
     F_q = I + sum_a u_a (x) grad N_a(q)
     f_a = dW/du_a = sum_q w_q P(F_q) grad N_a,    K_ab = sum_q w_q grad N_a . A(F_q) . grad N_b
 
-Quadrature and the split of kappa: material.py.  Everything is float64.  `max_unroll = 1` keeps a cold compile
-at seconds instead of half a minute.
+A tetrahedron cut by a border between materials mixes their energies.  The split of kappa: material_table.py.
+Everything is float64.  `max_unroll = 1` keeps a cold compile at seconds instead of half a minute.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 import warp as wp
 from scipy import sparse
 
-from palpate.fem_offline import material as m
+from palpate.fem_offline import constitutive as law
+from palpate.fem_offline import material_table as t
+from palpate.fem_offline.material_table import FULL_SHARE, Tabulated, material_table
 from palpate.fem_offline.quadratic_space import (
     CENTRE_RULE,
     FOUR_POINT_RULE,
     QuadraticSpace,
     shape_gradients_barycentric,
 )
+from palpate.fem_offline.tensor4 import mat9x9
 from palpate.fem_offline.warp_session import start_warp
 
 __all__ = ["ElementState", "ElementSystem", "HessianPattern", "hessian_pattern"]
@@ -34,8 +39,9 @@ wp.set_module_options({"enable_backward": False, "max_unroll": 1})
 RULE_GRADIENTS = shape_gradients_barycentric(np.concatenate([FOUR_POINT_RULE, CENTRE_RULE]))
 """(5, 10, 4): four points for psi_iso and kappa_full, the centre for kappa_centre."""
 
+FOUR_POINTS = wp.constant(len(FOUR_POINT_RULE))
+
 mat10x3 = wp.types.matrix(shape=(10, 3), dtype=wp.float64)
-mat9x9 = wp.types.matrix(shape=(9, 9), dtype=wp.float64)
 mat30x30 = wp.types.matrix(shape=(30, 30), dtype=wp.float64)
 
 
@@ -66,12 +72,47 @@ def deformation_gradient(
     return F
 
 
+@wp.func
+def quadrature_weight(volume: wp.float64, q: int) -> wp.float64:
+    """V/4 at the four points, V at the centre."""
+    if q < FOUR_POINTS:
+        return volume * wp.float64(0.25)
+    return volume
+
+
+@wp.func
+def stress(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> wp.mat33d:
+    """What material m contributes to P at quadrature point q, Pa."""
+    if q < FOUR_POINTS:
+        return law.isochoric_stress(F, table, m) + law.volumetric_stress(F, table, m, table[m, t.KAPPA_FULL])
+    return law.volumetric_stress(F, table, m, table[m, t.KAPPA_CENTRE])
+
+
+@wp.func
+def energy_density(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> wp.float64:
+    """What material m contributes to psi at quadrature point q, Pa."""
+    if q < FOUR_POINTS:
+        return law.isochoric_energy(F, table, m) + law.volumetric_energy(F, table, m, table[m, t.KAPPA_FULL])
+    return law.volumetric_energy(F, table, m, table[m, t.KAPPA_CENTRE])
+
+
+@wp.func
+def tangent(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
+    """What material m contributes to A = dP/dF at quadrature point q, Pa."""
+    if q < FOUR_POINTS:
+        return law.isochoric_tangent(F, table, m) + law.volumetric_tangent(
+            F, table, m, table[m, t.KAPPA_FULL]
+        )
+    return law.volumetric_tangent(F, table, m, table[m, t.KAPPA_CENTRE])
+
+
 @wp.kernel
 def energy_and_force(
     elements: wp.array2d(dtype=wp.int32),
     corner_gradients: wp.array2d(dtype=wp.vec3d),
     volumes: wp.array(dtype=wp.float64),
-    parameters: wp.array2d(dtype=wp.float64),
+    table: wp.array2d(dtype=wp.float64),
+    fraction: wp.array2d(dtype=wp.float64),
     rule: wp.array3d(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
     # outputs
@@ -80,7 +121,6 @@ def energy_and_force(
     force: wp.array(dtype=wp.vec3d),
 ):
     e = wp.tid()
-    mu = parameters[e, 0]
     W = wp.float64(0.0)
     J_min = wp.float64(1.0e30)
     local = mat10x3()
@@ -88,17 +128,14 @@ def energy_and_force(
         dN = shape_gradients(rule, q, corner_gradients, e)
         F = deformation_gradient(dN, elements, e, u)
         J_min = wp.min(J_min, wp.determinant(F))
-        weight = volumes[e]
         P = wp.mat33d()
-        if q < 4:
-            weight = volumes[e] * wp.float64(0.25)
-            W += weight * (m.isochoric_energy(F, mu) + m.volumetric_energy(F, parameters[e, 1]))
-            P = m.isochoric_stress(F, mu) + m.volumetric_stress(F, parameters[e, 1])
-        else:
-            W += weight * m.volumetric_energy(F, parameters[e, 2])
-            P = m.volumetric_stress(F, parameters[e, 2])
+        for m in range(table.shape[0]):
+            if fraction[e, m] != wp.float64(0.0):
+                weight = quadrature_weight(volumes[e], q) * fraction[e, m]
+                W += weight * energy_density(F, q, table, m)
+                P += stress(F, q, table, m) * weight
         for a in range(10):
-            f = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]) * weight
+            f = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
             for i in range(3):
                 local[a, i] = local[a, i] + f[i]
     energy[e] = W
@@ -112,7 +149,8 @@ def hessian(
     elements: wp.array2d(dtype=wp.int32),
     corner_gradients: wp.array2d(dtype=wp.vec3d),
     volumes: wp.array(dtype=wp.float64),
-    parameters: wp.array2d(dtype=wp.float64),
+    table: wp.array2d(dtype=wp.float64),
+    fraction: wp.array2d(dtype=wp.float64),
     rule: wp.array3d(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
     entry: wp.array2d(dtype=wp.int32),
@@ -120,27 +158,14 @@ def hessian(
     values: wp.array(dtype=wp.float64),
 ):
     e = wp.tid()
-    mu = parameters[e, 0]
     K = mat30x30()
     for q in range(5):
         dN = shape_gradients(rule, q, corner_gradients, e)
         F = deformation_gradient(dN, elements, e, u)
-        weight = volumes[e]
         A = mat9x9()  # A[3 i + k, 3 j + l] = w d P_ik / d F_jl
-        if q < 4:
-            weight = volumes[e] * wp.float64(0.25)
-        for j in range(3):
-            for l in range(3):
-                H = wp.mat33d()
-                H[j, l] = weight
-                dP = wp.mat33d()
-                if q < 4:
-                    dP = m.isochoric_tangent(F, H, mu) + m.volumetric_tangent(F, H, parameters[e, 1])
-                else:
-                    dP = m.volumetric_tangent(F, H, parameters[e, 2])
-                for i in range(3):
-                    for k in range(3):
-                        A[3 * i + k, 3 * j + l] = dP[i, k]
+        for m in range(table.shape[0]):
+            if fraction[e, m] != wp.float64(0.0):
+                A += tangent(F, q, table, m) * (quadrature_weight(volumes[e], q) * fraction[e, m])
         for b in range(10):
             for j in range(3):
                 for i in range(3):
@@ -240,7 +265,7 @@ class ElementState:
     """Elastic state at one displacement.
 
     Attributes:
-        energy: J; infinite where an element is inverted.
+        energy: J; infinite where an element is inverted or its energy overflows.
         force: (N, 3) N; dW/du at every node, fixed ones included.
         smallest_jacobian: smallest det F over the quadrature points.
     """
@@ -256,23 +281,34 @@ class ElementSystem:
 
     Attributes:
         space: nodes and elements.
-        parameters: (T, 3) Pa; (mu, kappa_full, kappa_centre) of each element.
+        materials: M of them.
+        fraction: (T, M); how much of each material's energy an element has, as a rule adding up to one.
         device: Warp device.
+        full_share: of kappa, see material_table.py.
     """
 
     space: QuadraticSpace
-    parameters: np.ndarray
+    materials: Sequence[Tabulated]
+    fraction: np.ndarray
     device: str = "cpu"
+    full_share: float = FULL_SHARE
     _arrays: list = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         start_warp()
         s = self.space
+        if np.shape(self.fraction) != (len(s.elements), len(self.materials)):
+            raise ValueError(
+                f"fraction has shape {np.shape(self.fraction)}; "
+                f"expected {len(s.elements)} tetrahedra by {len(self.materials)} materials"
+            )
+        table = material_table(self.materials, self.full_share)
         self._arrays = [
             wp.array(s.elements, dtype=wp.int32, device=self.device),
             wp.array(s.corner_gradients, dtype=wp.vec3d, device=self.device),
             wp.array(s.volumes, dtype=wp.float64, device=self.device),
-            wp.array(self.parameters, dtype=wp.float64, device=self.device),
+            wp.array(table, dtype=wp.float64, device=self.device),
+            wp.array(self.fraction, dtype=wp.float64, device=self.device),
             wp.array(RULE_GRADIENTS, dtype=wp.float64, device=self.device),
         ]
         self._entries: dict[int, tuple[HessianPattern, wp.array]] = {}
@@ -292,6 +328,7 @@ class ElementSystem:
         )
         smallest = float(jacobian.numpy().min())
         total = float(energy.numpy().sum()) if smallest > 0.0 else np.inf
+        total = total if np.isfinite(total) else np.inf  # a stiffening energy overflows at absurd stretches
         return ElementState(total, force.numpy(), smallest)
 
     def hessian(self, u: np.ndarray, pattern: HessianPattern) -> np.ndarray:

@@ -88,7 +88,9 @@ class NearBody:
         contact_faces: np.ndarray,
     ) -> None:
         self.nodes = space.nodes
-        self.system = ElementSystem(space, organ.parameters_of(patch.points, patch.tets, patch.label))
+        self.system = ElementSystem(
+            space, organ.materials, organ.fractions_of(patch.points, patch.tets, patch.label)
+        )
         self.interface = interface
         self.far = far
         self.contact_faces = contact_faces
@@ -196,8 +198,8 @@ class FullBody:
             np.concatenate([space.volumes, organ.space.volumes[outside]]),
             space.edge_nodes,
         )
-        parameters = np.concatenate([near.system.parameters, organ.parameters[outside]])
-        self.system = ElementSystem(full_space, parameters)
+        fraction = np.concatenate([near.system.fraction, organ.fractions[outside]])
+        self.system = ElementSystem(full_space, organ.materials, fraction)
         held = np.union1d(near._held, index[np.intersect1d(organ.held_nodes, far_nodes)])
         self._held = held
         fixed = np.zeros((len(self.nodes), 3), bool)

@@ -1,41 +1,44 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Hyperelastic materials, isochoric and volumetric parts apart.
+"""Materials by their constants: isotropic, nearly incompressible, shape and volume apart.
 
-    psi(F) = psi_iso(F) + psi_vol(J),  J = det F
-    neo-Hookean   psi_iso = mu / 2 (J^(-2/3) I1 - 3),  I1 = tr F^T F
-    volumetric    psi_vol = kappa / 2 (J - 1)^2
+    psi = psi_iso(shape) + kappa/2 (J - 1)^2,   kappa = 2 mu (1 + nu) / (3 (1 - 2 nu))
 
-(Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, eq. 6.50, 6.59.)
-The first Piola-Kirchhoff stress is P = d psi / dF; `_tangent` functions give dP[H] = (d^2 psi / dF^2) : H.
+mu is the shear modulus of small strains, which each model states.  With I1bar, I2bar the isochoric invariants and
+l1, l2, l3 the isochoric principal stretches:
 
-The volumetric part is split once more for quadratic tetrahedra: a share `kappa_full` of the order of mu is
-integrated at the same four points as psi_iso, the rest at the element's centre alone.  Without that share an
-element has 4 x 5 + 1 = 21 strain measures for 24 deforming modes; with kappa alone at four points it locks.
+    Linear           mu dev(eps):dev(eps), with kappa/2 tr(eps)^2      mu = E / (2 (1 + nu))
+    NeoHookean       mu/2 (I1bar - 3)                                  mu = E / (2 (1 + nu))
+    MooneyRivlin     c10 (I1bar - 3) + c01 (I2bar - 3)                 mu = 2 (c10 + c01)
+    Yeoh             sum_n cn0 (I1bar - 3)^n, n = 1, 2, 3              mu = 2 c10
+    VerondaWestmann  c1 (exp(c2 (I1bar - 3)) - 1) - c1 c2/2 (I2bar - 3)  mu = c1 c2
+    Ogden            sum_p 2 mu_p/alpha_p^2 (l1^a + l2^a + l3^a - 3)     mu = sum mu_p
+
+Other texts write Ogden's terms as mu_p/alpha_p (...), with mu = sum mu_p alpha_p / 2, or count mu_p twice: check
+before copying constants.  Equations, sources and code: constitutive.py and what it imports.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-import warp as wp
+from palpate.fem_offline.material_density import density
+from palpate.fem_offline.material_table import FULL_SHARE, LINEAR, OGDEN, POLYNOMIAL, VERONDA_WESTMANN
 
 __all__ = [
+    "FULL_SHARE",
+    "Linear",
+    "Material",
+    "MooneyRivlin",
     "NeoHookean",
-    "isochoric_energy",
-    "isochoric_stress",
-    "isochoric_tangent",
+    "Ogden",
+    "VerondaWestmann",
+    "Yeoh",
+    "density",
     "lame_parameters",
-    "volumetric_energy",
-    "volumetric_stress",
-    "volumetric_tangent",
 ]
-
-
-FULL_SHARE = 2.0
-"""kappa_full over mu.  Measured on a ball over a thin soft layer (5 mm ball, 4 mm deep, a stiff nodule 6.5 mm down):
-with 1, elements hourglassed (smallest J 0.55 at 4 mm); with 2 it stays at 0.85, with 4 at 0.80.  Force on the same
-coarse mesh rises by 0.2 % from 1 to 2, 0.5 % to 4, 0.8 % to 8: the locking that full integration would bring."""
 
 
 def lame_parameters(youngs_modulus: float, poissons_ratio: float) -> tuple[float, float]:
@@ -44,107 +47,230 @@ def lame_parameters(youngs_modulus: float, poissons_ratio: float) -> tuple[float
     Raises:
         ValueError: a modulus that is not positive, or Poisson's ratio outside (-1, 0.5).
     """
-    if not youngs_modulus > 0.0:
+    if not 0.0 < youngs_modulus < math.inf:
         raise ValueError(f"youngs_modulus is {youngs_modulus} Pa; it must be positive")
-    if not -1.0 < poissons_ratio < 0.5:
-        raise ValueError(f"poissons_ratio is {poissons_ratio}; it must lie between -1 and 0.5")
+    _check_ratio(poissons_ratio)
     mu = youngs_modulus / (2.0 * (1.0 + poissons_ratio))
     kappa = youngs_modulus / (3.0 * (1.0 - 2.0 * poissons_ratio))
     return mu, kappa
 
 
-@dataclass(frozen=True)
-class NeoHookean:
-    """A nearly incompressible neo-Hookean solid.
+class Material:
+    """An isotropic material; every model of this file is one.
 
     Attributes:
-        youngs_modulus: Pa, of small strains.
-        poissons_ratio: of small strains; 0.3 to 0.495 is what this version's tests cover.
+        poissons_ratio: of small strains.
+        shear_modulus: Pa, of small strains.
+        model, constants: what its row of a material table holds (material_table.py).
     """
 
-    youngs_modulus: float
     poissons_ratio: float
+
+    @property
+    def shear_modulus(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def model(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def constants(self) -> tuple[float, ...]:
+        raise NotImplementedError
+
+    @property
+    def bulk_modulus(self) -> float:
+        """Pa, of small strains."""
+        nu = self.poissons_ratio
+        return 2.0 * self.shear_modulus * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+
+    def _check(self, constants: Mapping[str, float]) -> None:
+        for name, value in constants.items():
+            if not math.isfinite(value):
+                raise ValueError(f"{name} is {value}; it must be a finite number")
+        _check_ratio(self.poissons_ratio)
+        mu = self.shear_modulus
+        if not 0.0 < mu < math.inf:
+            raise ValueError(f"{self} has an initial shear modulus of {mu} Pa; it must be positive")
+
+
+def _check_ratio(poissons_ratio: float) -> None:
+    if not -1.0 < poissons_ratio < 0.5:
+        raise ValueError(f"poissons_ratio is {poissons_ratio}; it must lie between -1 and 0.5")
+
+
+class _ByYoungsModulus(Material):
+    youngs_modulus: float
 
     def __post_init__(self) -> None:
         lame_parameters(self.youngs_modulus, self.poissons_ratio)
 
     @property
     def shear_modulus(self) -> float:
-        return lame_parameters(self.youngs_modulus, self.poissons_ratio)[0]
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+
+class _ByConstants(Material):
+    @property
+    def youngs_modulus(self) -> float:
+        """Pa, of small strains."""
+        return 2.0 * self.shear_modulus * (1.0 + self.poissons_ratio)
+
+
+@dataclass(frozen=True)
+class Linear(_ByYoungsModulus):
+    """Hooke's law of small strains at any strain: compliance only; rotations strain it.
+
+    Attributes:
+        youngs_modulus: Pa.
+        poissons_ratio: up to 0.4999.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+
+    model = int(LINEAR)
 
     @property
-    def bulk_modulus(self) -> float:
-        return lame_parameters(self.youngs_modulus, self.poissons_ratio)[1]
+    def constants(self) -> tuple[float, ...]:
+        return (self.shear_modulus,)
+
+
+@dataclass(frozen=True)
+class NeoHookean(_ByYoungsModulus):
+    """mu/2 (I1bar - 3).
+
+    Attributes:
+        youngs_modulus: Pa, of small strains.
+        poissons_ratio: of small strains, up to 0.4999.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+
+    model = int(POLYNOMIAL)
 
     @property
-    def parameters(self) -> tuple[float, float, float]:
-        """(mu, kappa_full, kappa_centre), Pa: what the kernels take."""
-        mu, kappa = self.shear_modulus, self.bulk_modulus
-        kappa_full = min(FULL_SHARE * mu, kappa)
-        return mu, kappa_full, kappa - kappa_full
+    def constants(self) -> tuple[float, ...]:
+        return 0.5 * self.shear_modulus, 0.0, 0.0, 0.0
 
 
-# A quotient of literals inside a Warp function would be taken in float32.
-TWO_THIRDS = wp.constant(wp.float64(2.0 / 3.0))
-TWO_NINTHS = wp.constant(wp.float64(2.0 / 9.0))
+@dataclass(frozen=True)
+class MooneyRivlin(_ByConstants):
+    """c10 (I1bar - 3) + c01 (I2bar - 3).
+
+    Attributes:
+        c10, c01: Pa; their sum is positive.
+        poissons_ratio: of small strains, up to 0.4999.
+    """
+
+    c10: float
+    c01: float
+    poissons_ratio: float
+
+    model = int(POLYNOMIAL)
+
+    def __post_init__(self) -> None:
+        self._check({"c10": self.c10, "c01": self.c01})
+
+    @property
+    def shear_modulus(self) -> float:
+        return 2.0 * (self.c10 + self.c01)
+
+    @property
+    def constants(self) -> tuple[float, ...]:
+        return self.c10, self.c01, 0.0, 0.0
 
 
-@wp.func
-def inverse_transpose(F: wp.mat33d) -> wp.mat33d:
-    """F^-T."""
-    return wp.transpose(wp.inverse(F))
+@dataclass(frozen=True)
+class Yeoh(_ByConstants):
+    """c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c30 (I1bar - 3)^3.
+
+    Attributes:
+        c10, c20, c30: Pa; c10 is positive.
+        poissons_ratio: of small strains, up to 0.4999.
+    """
+
+    c10: float
+    c20: float
+    c30: float
+    poissons_ratio: float
+
+    model = int(POLYNOMIAL)
+
+    def __post_init__(self) -> None:
+        self._check({"c10": self.c10, "c20": self.c20, "c30": self.c30})
+
+    @property
+    def shear_modulus(self) -> float:
+        return 2.0 * self.c10
+
+    @property
+    def constants(self) -> tuple[float, ...]:
+        return self.c10, 0.0, self.c20, self.c30
 
 
-@wp.func
-def isochoric_energy(F: wp.mat33d, mu: wp.float64) -> wp.float64:
-    """mu / 2 (J^(-2/3) I1 - 3)."""
-    J = wp.determinant(F)
-    I1 = wp.ddot(F, F)
-    return wp.float64(0.5) * mu * (I1 * wp.pow(J, -TWO_THIRDS) - wp.float64(3.0))
+@dataclass(frozen=True)
+class VerondaWestmann(_ByConstants):
+    """c1 (exp(c2 (I1bar - 3)) - 1) - c1 c2/2 (I2bar - 3).
+
+    Attributes:
+        c1: Pa.  c2: without unit.  Their product is positive.
+        poissons_ratio: of small strains, up to 0.4999.
+    """
+
+    c1: float
+    c2: float
+    poissons_ratio: float
+
+    model = int(VERONDA_WESTMANN)
+
+    def __post_init__(self) -> None:
+        self._check({"c1": self.c1, "c2": self.c2})
+
+    @property
+    def shear_modulus(self) -> float:
+        return self.c1 * self.c2
+
+    @property
+    def constants(self) -> tuple[float, ...]:
+        return self.c1, self.c2
 
 
-@wp.func
-def isochoric_stress(F: wp.mat33d, mu: wp.float64) -> wp.mat33d:
-    """P = mu J^(-2/3) (F - I1/3 F^-T)."""
-    J = wp.determinant(F)
-    I1 = wp.ddot(F, F)
-    Fit = inverse_transpose(F)
-    return (F - Fit * (I1 / wp.float64(3.0))) * (mu * wp.pow(J, -TWO_THIRDS))
+@dataclass(frozen=True)
+class Ogden(_ByConstants):
+    """sum_p 2 mu_p/alpha_p^2 (l1^alpha_p + l2^alpha_p + l3^alpha_p - 3), of isochoric stretches.
 
+    Attributes:
+        mu: Pa, one for each term; their sum is positive.
+        alpha: without unit, one for each term, none of them zero.
+        poissons_ratio: of small strains, up to 0.4999.
+    """
 
-@wp.func
-def isochoric_tangent(F: wp.mat33d, H: wp.mat33d, mu: wp.float64) -> wp.mat33d:
-    """dP[H] = mu J^(-2/3) (H - 2/3 (F:H) F^-T - 2/3 (F^-T:H) F + 2/9 I1 (F^-T:H) F^-T + I1/3 F^-T H^T F^-T)."""
-    J = wp.determinant(F)
-    I1 = wp.ddot(F, F)
-    Fit = inverse_transpose(F)
-    a = wp.ddot(Fit, H)
-    b = wp.ddot(F, H)
-    dP = H - Fit * (TWO_THIRDS * b) - F * (TWO_THIRDS * a)
-    dP = dP + Fit * (TWO_NINTHS * I1 * a) + Fit * wp.transpose(H) * Fit * (I1 / wp.float64(3.0))
-    return dP * (mu * wp.pow(J, -TWO_THIRDS))
+    mu: tuple[float, ...]
+    alpha: tuple[float, ...]
+    poissons_ratio: float
 
+    model = int(OGDEN)
 
-@wp.func
-def volumetric_energy(F: wp.mat33d, kappa: wp.float64) -> wp.float64:
-    """kappa / 2 (J - 1)^2."""
-    J = wp.determinant(F)
-    return wp.float64(0.5) * kappa * (J - wp.float64(1.0)) * (J - wp.float64(1.0))
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mu", tuple(float(value) for value in self.mu))
+        object.__setattr__(self, "alpha", tuple(float(value) for value in self.alpha))
+        if len(self.mu) != len(self.alpha) or not self.mu:
+            raise ValueError(
+                f"mu has {len(self.mu)} terms and alpha {len(self.alpha)}; they must be as many, at least one"
+            )
+        if 0.0 in self.alpha:
+            raise ValueError(f"alpha is {self.alpha}; none of them must be zero")
+        terms = enumerate(zip(self.mu, self.alpha, strict=True))
+        self._check(
+            {f"{name}[{p}]": x for p, pair in terms for name, x in zip(("mu", "alpha"), pair, strict=True)}
+        )
 
+    @property
+    def shear_modulus(self) -> float:
+        return sum(self.mu)
 
-@wp.func
-def volumetric_stress(F: wp.mat33d, kappa: wp.float64) -> wp.mat33d:
-    """P = kappa (J - 1) J F^-T."""
-    J = wp.determinant(F)
-    return inverse_transpose(F) * (kappa * (J - wp.float64(1.0)) * J)
-
-
-@wp.func
-def volumetric_tangent(F: wp.mat33d, H: wp.mat33d, kappa: wp.float64) -> wp.mat33d:
-    """dP[H] = kappa (J (2J - 1) (F^-T:H) F^-T - J (J - 1) F^-T H^T F^-T)."""
-    J = wp.determinant(F)
-    Fit = inverse_transpose(F)
-    a = wp.ddot(Fit, H)
-    one = wp.float64(1.0)
-    two = wp.float64(2.0)
-    return Fit * (kappa * J * (two * J - one) * a) - Fit * wp.transpose(H) * Fit * (kappa * J * (J - one))
+    @property
+    def constants(self) -> tuple[float, ...]:
+        return tuple(x for term in zip(self.mu, self.alpha, strict=True) for x in term)

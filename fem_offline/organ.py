@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from palpate.fem_offline.assembly import ElementSystem, HessianPattern, hessian_pattern
-from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.material import Material
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 
 __all__ = ["SAMPLES", "TET_FACES", "Organ", "boundary_faces", "faces_held"]
@@ -49,13 +49,13 @@ class Organ:
         held: predicate of fixed supports, (n, 3) m -> (n,) bool; surface faces inside it are fixed.
         project: (n, 3) m -> points on the smooth surface and outward unit normals, both (n, 3).
         hash: hex digest of mesh, materials and supports.
-        label_at: (n, 3) m -> (n,) region labels.  With it, a tetrahedron cut by a region's border gets the mean of
-            the parameters at SAMPLES, so that the border is where the scene says and not where the mesh is.
+        label_at: (n, 3) m -> (n,) region labels.  With it, a tetrahedron cut by a region's border mixes the energies
+            of the materials at SAMPLES, so that the border is where the scene says and not where the mesh is.
     """
 
     points: np.ndarray
     tets: np.ndarray
-    material: dict[int, NeoHookean]
+    material: dict[int, Material]
     label: np.ndarray
     held: Callable[[np.ndarray], np.ndarray]
     project: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -77,19 +77,24 @@ class Organ:
         held = self.faces[faces_held(self.points, self.faces, self.held)]
         return np.unique(self.space.face_nodes(held)) if len(held) else np.zeros(0, int)
 
-    def parameters_of(self, points: np.ndarray, tets: np.ndarray, label: np.ndarray) -> np.ndarray:
-        """(T, 3) Pa; kernel parameters of tetrahedra (T, 4) on points (P, 3) m with region labels (T,)."""
-        table = np.array([self.material[k].parameters for k in sorted(self.material)])
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """M materials, in the order of their labels."""
+        return tuple(self.material[k] for k in sorted(self.material))
+
+    def fractions_of(self, points: np.ndarray, tets: np.ndarray, label: np.ndarray) -> np.ndarray:
+        """(T, M); share of each material in tetrahedra (T, 4) on points (P, 3) m with region labels (T,)."""
+        share = np.eye(len(self.material))
         if self.label_at is None or len(self.material) == 1:
-            return table[np.searchsorted(sorted(self.material), label)]
+            return share[np.searchsorted(sorted(self.material), label)]
         x = np.einsum("sk,tkj->tsj", SAMPLES, points[tets])
         found = self.label_at(x.reshape(-1, 3)).reshape(len(tets), len(SAMPLES))
-        return table[np.searchsorted(sorted(self.material), found)].mean(axis=1)
+        return share[np.searchsorted(sorted(self.material), found)].mean(axis=1)
 
     @cached_property
-    def parameters(self) -> np.ndarray:
-        """(T, 3) Pa; of the organ's own tetrahedra."""
-        return self.parameters_of(self.points, self.tets, self.label)
+    def fractions(self) -> np.ndarray:
+        """(T, M); of the organ's own tetrahedra."""
+        return self.fractions_of(self.points, self.tets, self.label)
 
     @cached_property
     def pattern(self) -> HessianPattern:
@@ -102,6 +107,6 @@ class Organ:
         Args:
             tets: (T,) bool; which tetrahedra take part.
         """
-        system = ElementSystem(self.space, self.parameters * tets[:, None])
+        system = ElementSystem(self.space, self.materials, self.fractions * tets[:, None])
         upper = self.pattern.matrix(system.hessian(np.zeros((self.space.node_count, 3)), self.pattern))
         return (upper + sparse.triu(upper, 1).T).tocsr()

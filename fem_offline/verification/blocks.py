@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from palpate.fem_offline.block import block
-from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.material import Material
 from palpate.fem_offline.organ import Organ
 
 __all__ = ["block_organ", "half_space", "two_stiffnesses"]
@@ -24,7 +24,7 @@ __all__ = ["block_organ", "half_space", "two_stiffnesses"]
 def block_organ(
     size: tuple[float, float, float],
     divisions: tuple[int, int, int],
-    material: dict[int, NeoHookean],
+    material: dict[int, Material],
     label: Callable[[np.ndarray], np.ndarray] = lambda middles: np.zeros(len(middles), int),
     finest: float | None = None,
 ) -> Organ:
@@ -45,12 +45,12 @@ def block_organ(
     return Organ(mesh.points, mesh.tets, material, label(middles), held, _top, text)
 
 
-def half_space(material: NeoHookean) -> Organ:
+def half_space(material: Material) -> Organ:
     """A block of 1 m x 1 m x 0.5 m, 8 mm cells under the contact."""
     return block_organ((1.0, 1.0, 0.5), (12, 12, 6), {0: material}, finest=8e-3)
 
 
-def two_stiffnesses(soft: NeoHookean, stiff: NeoHookean, border: float) -> Organ:
+def two_stiffnesses(soft: Material, stiff: Material, border: float) -> Organ:
     """A block of 120 x 120 x 60 mm that is stiff where x > border (m, on a cell face: a multiple of 10 mm)."""
     return block_organ(
         (0.12, 0.12, 0.06),

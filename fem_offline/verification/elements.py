@@ -16,7 +16,7 @@ from scipy import sparse
 
 from palpate.fem_offline.assembly import ElementSystem, hessian_pattern
 from palpate.fem_offline.block import block
-from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.material import Material, NeoHookean
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 from palpate.fem_offline.verification import homogeneous
 from palpate.fem_offline.verification.row import Row
@@ -37,9 +37,9 @@ def irregular_mesh(seed: int = 1) -> QuadraticSpace:
     return quadratic_space(points, mesh.tets)
 
 
-def system_of(space: QuadraticSpace, material: NeoHookean = MATERIAL) -> ElementSystem:
+def system_of(space: QuadraticSpace, material: Material = MATERIAL) -> ElementSystem:
     """All elements of one material."""
-    return ElementSystem(space, np.tile(material.parameters, (len(space.elements), 1)))
+    return ElementSystem(space, [material], np.ones((len(space.elements), 1)))
 
 
 def mean_stress(system: ElementSystem, u: np.ndarray) -> tuple[np.ndarray, float]:

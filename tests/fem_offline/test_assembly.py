@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from palpate.fem_offline.assembly import hessian_pattern
+from palpate.fem_offline.assembly import ElementSystem, hessian_pattern
+from palpate.fem_offline.material import Linear, MooneyRivlin, NeoHookean
 from palpate.fem_offline.verification.elements import element_rows, irregular_mesh, stiffness_of, system_of
 
 ROWS = list(element_rows())
@@ -70,6 +71,26 @@ def test_inverted_elements_have_infinite_energy(system):
     u[:, 0] = -2.0 * system.space.nodes[:, 0]
     state = system.state(u)
     assert np.isinf(state.energy) and state.smallest_jacobian < 0.0
+
+
+def test_a_cut_tetrahedron_mixes_energies(system, u):
+    """Energy, force and Hessian are linear in the fractions, whatever the models."""
+    materials = (NeoHookean(5400.0, 0.48), MooneyRivlin(600.0, 200.0, 0.4), Linear(9000.0, 0.3))
+    fraction = np.random.default_rng(8).dirichlet([1.0, 1.0, 1.0], len(system.space.elements))
+    fraction[::3] = np.eye(3)[np.random.default_rng(9).integers(0, 3, len(fraction[::3]))]
+    mixed = ElementSystem(system.space, materials, fraction)
+    apart = [ElementSystem(system.space, [m], fraction[:, [i]]) for i, m in enumerate(materials)]
+    states = [part.state(u) for part in apart]
+    force = sum(state.force for state in states)
+    assert mixed.state(u).energy == pytest.approx(sum(state.energy for state in states), rel=1e-13)
+    assert mixed.state(u).force == pytest.approx(force, abs=1e-13 * np.abs(force).max())
+    K = sum(stiffness_of(part, u) for part in apart)
+    assert np.abs((stiffness_of(mixed, u) - K).data).max() < 1e-13 * np.abs(K.data).max()
+
+
+def test_fractions_of_another_mesh_are_refused(system):
+    with pytest.raises(ValueError, match="1 materials"):
+        ElementSystem(system.space, [NeoHookean(5400.0, 0.48)], np.ones((3, 1)))
 
 
 def test_held_components_leave_the_rest_of_the_matrix_alone(system, u):

@@ -42,7 +42,7 @@ def block_organ(
     def held(points: np.ndarray) -> np.ndarray:
         return points[:, 2] < -size[2] * (1.0 - 1e-9)
 
-    return Organ(mesh.points, mesh.tets, material, label(middles), held, _top, text)
+    return Organ(mesh.points, mesh.tets, material, label(middles), held, _surface_of(size), text)
 
 
 def half_space(material: Material) -> Organ:
@@ -60,8 +60,15 @@ def two_stiffnesses(soft: Material, stiff: Material, border: float) -> Organ:
     )
 
 
-def _top(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Projector to the top plane; only points near it are ever asked for."""
-    on = np.array(points, float)
-    on[:, 2] = 0.0
-    return on, np.tile([0.0, 0.0, 1.0], (len(on), 1))
+def _surface_of(size: tuple[float, float, float]) -> Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """Projector to the nearest of the box's six faces, and that face's normal."""
+    face = np.array([0.5 * size[0], 0.5 * size[0], 0.5 * size[1], 0.5 * size[1], size[2], 0.0])
+    outward = np.kron(np.eye(3), [[-1.0], [1.0]])  # -x, x, -y, y, -z, z
+
+    def project(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        away = points @ outward.T - face
+        nearest = np.argmin(np.abs(away), axis=1)[:, None]
+        normal = outward[nearest[:, 0]]
+        return points - np.take_along_axis(away, nearest, axis=1) * normal, normal
+
+    return project

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from palpate.author.organ_stage import OrganMesh
-from palpate.author.press_jobs import PressOutcome, tangents
+from palpate.author.press_jobs import PressOutcome
 from palpate.author.sampling import ReachSamples
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
+from palpate.fem_offline.pose import tangents
 from palpate.fem_offline.tool import Sphere
 from palpate.fields.as_cooked import as_cooked
 from palpate.fields.build_field import build_field

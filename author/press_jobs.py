@@ -28,12 +28,13 @@ import numpy as np
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
+from palpate.fem_offline.pose import tangents
 
-__all__ = ["PressJob", "PressOutcome", "mechanics_version", "press_executor", "run_jobs", "tangents"]
+__all__ = ["PressJob", "PressOutcome", "mechanics_version", "press_executor", "run_jobs"]
 
 MECHANICS = (
     "assembly", "body", "conjugate_gradients", "contact", "equilibrium", "far_field", "linear_solver", "material",
-    "organ", "patch", "press", "quadratic_space", "site", "tool",
+    "organ", "patch", "pose", "press", "quadratic_space", "site", "sphere", "tool",
 )  # fmt: skip
 """Modules whose text decides what a press finds: a record is kept for one text of them only."""
 
@@ -114,14 +115,6 @@ def _organ(mesh: OrganMesh):
         _LAST.clear()
         _LAST.update(hash=mesh.hash, organ=mesh.organ)
     return _LAST["organ"]
-
-
-def tangents(normal: np.ndarray) -> np.ndarray:
-    """(2, 3) orthonormal tangents of a unit normal; the first leans on the axis that the normal avoids most."""
-    axis = np.eye(3)[np.argmin(np.abs(normal))]
-    first = axis - (axis @ normal) * normal
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(normal, first)])
 
 
 def solve(mesh: OrganMesh, job: PressJob, folder: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

@@ -28,7 +28,7 @@ import numpy as np
 
 from palpate.fem_offline.assembly import HessianPattern
 from palpate.fem_offline.quadratic_space import face_shape
-from palpate.fem_offline.tool import Tool
+from palpate.fem_offline.tool import Pose, Tool
 
 __all__ = [
     "ContactHessian",
@@ -157,13 +157,14 @@ class Unilateral:
 
     Attributes:
         penalty: eps, Pa/m.
+        pose: of the tool.
         multiplier: lambda, (B, Q) Pa.
     """
 
     surface: ContactSurface
     tool: Tool
     penalty: float
-    position: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    pose: Pose = field(default_factory=lambda: Pose.upright(np.zeros(3)))
     multiplier: np.ndarray | None = None
 
     def __post_init__(self) -> None:
@@ -172,7 +173,7 @@ class Unilateral:
 
     def _distance(self, u: np.ndarray):
         x = self.surface.points(u)
-        d = self.tool.distance(x.reshape(-1, 3), self.position)
+        d = self.tool.distance(x.reshape(-1, 3), self.pose)
         b, q = self.surface.point_shape
         return x, d.gap.reshape(b, q), d.normal.reshape(b, q, 3), d.curvature.reshape(b, q, 3, 3)
 
@@ -189,7 +190,7 @@ class Unilateral:
             energy,
             -self.surface.nodal(traction, len(u)),
             -load.sum(axis=(0, 1)),
-            -np.cross(x - self.position, load).sum(axis=(0, 1)),
+            -np.cross(x - self.pose.position, load).sum(axis=(0, 1)),
             traction,
             float(np.sum(w[acting] * np.abs(gap[acting])) / area) if area else 0.0,
             area,

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """One press: the normal ladder of a rigid tool, its reactions, energies, and the sticking contact's stiffness.
 
-The tool's reference point goes from p(0) = c + rho n to p(d) = c + (rho - d) n.  Each recorded state is an
-equilibrium; f = force on the tool, W = stored energy.  Free checks, kept in the record:
+The tool is turned as the site says and its reference point goes from p(0) = c + rho n to p(d) = c + (rho - d) n.
+Each recorded state is an equilibrium; f = force on the tool, W = stored energy.  Free checks, kept in the record:
 
     action and reaction:  |f_tool - f_supports| / |f_tool|          (the supports' side is computed on its own)
     work and energy:      dW/dd = f . n                             (checked over each ladder, see `work_mismatch`)
@@ -153,12 +153,9 @@ class _Ladder:
     def force_floor(self) -> float:
         return 1e-4 * self.site.youngs_modulus * self.tool.contact_radius**2
 
-    def position(self, depth: float) -> np.ndarray:
-        return self.site.contact_point + (self.tool.offset - depth) * self.site.normal
-
     def step_to(self, depth: float, recorded: bool) -> Equilibrium:
         """One equilibrium at `depth`, started by extrapolating the last two."""
-        self.contact.position = self.position(depth)
+        self.contact.pose = self.site.pose(self.tool, depth)
         start = self.u[-1]
         self.contact.multiplier = self.pressure[-1]
         if len(self.depth) > 2:
@@ -294,7 +291,7 @@ def _sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: Pre
         settings.sticking_penalty * contact.penalty,
         site.surface.points(found.u),
         found.contact.traction,
-        contact.position.copy(),
+        contact.pose.position.copy(),
     )
 
 

@@ -19,7 +19,7 @@ from palpate.fem_offline.contact import ContactSurface, contact_surface
 from palpate.fem_offline.far_field import FarField, condense, interface_nodes
 from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.patch import Patch, PatchSize, carve, refine
-from palpate.fem_offline.tool import Tool
+from palpate.fem_offline.tool import Pose, Tool, tilted
 
 __all__ = ["FIDELITIES", "FarFieldStore", "Site", "far_field_key", "open_site", "patch_size"]
 
@@ -31,7 +31,7 @@ FarFieldStore = Callable[[str, Callable[[], FarField]], FarField]
 
 @dataclass(frozen=True)
 class Site:
-    """A place on an organ, ready for one tool.
+    """A place on an organ and a way of touching it, ready for one tool.
 
     Attributes:
         contact_point: (3,) m on the smooth surface.  normal: (3,) outward.
@@ -39,6 +39,8 @@ class Site:
         surface: faces that may touch.
         patch: the refined mesh.
         youngs_modulus: Pa; of the tissue at the contact.
+        fidelity: near_field or full.
+        rotation: (3, 3) of the tool, see `pose`.
     """
 
     contact_point: np.ndarray
@@ -48,6 +50,12 @@ class Site:
     patch: Patch
     youngs_modulus: float
     fidelity: str
+    rotation: np.ndarray
+
+    def pose(self, tool: Tool, depth: float) -> Pose:
+        """The tool `depth` (m) deep: c + (rho - d) n, rho as far as the turned tool reaches towards the tissue."""
+        offset = tool.offset_along(-self.normal @ self.rotation)
+        return Pose(self.contact_point + (offset - depth) * self.normal, self.rotation)
 
 
 def patch_size(tool: Tool, depth_max: float, radius: float = 20e-3, refinement: float = 1.0) -> PatchSize:
@@ -63,7 +71,7 @@ def patch_size(tool: Tool, depth_max: float, radius: float = 20e-3, refinement: 
         radius: m; of the carved patch.
         refinement: divides every edge length (2: twice as fine).
     """
-    contact_radius = np.sqrt(tool.contact_radius * depth_max)
+    contact_radius = tool.contact_size(depth_max)
     finest = 0.33 * contact_radius
     return PatchSize(
         radius=max(radius, 3.5 * contact_radius),
@@ -86,6 +94,7 @@ def open_site(
     size: PatchSize,
     fidelity: str = "near_field",
     store: FarFieldStore = lambda key, make: make(),
+    tilt: float = 0.0,
 ) -> Site:
     """Carve, refine and condense around a surface point.
 
@@ -93,6 +102,7 @@ def open_site(
         near_point: (3,) m; projected to the smooth surface.
         fidelity: one of FIDELITIES.
         store: keeps far fields between sites, tools and runs.
+        tilt: rad between the tool's axis and the surface normal, leaning towards the first tangent (pose.py).
 
     Raises:
         PatchError: the patch could not be meshed.
@@ -117,7 +127,8 @@ def open_site(
     body: Body = near if near_is_all else FullBody(near, organ, patch, shared)
     surface = contact_surface(space.nodes, faces)
     label = patch.label[np.argmin(np.linalg.norm(patch.points[patch.tets].mean(axis=1) - centre, axis=1))]
-    return Site(centre, normal, body, surface, patch, organ.material[int(label)].youngs_modulus, fidelity)
+    modulus = organ.material[int(label)].youngs_modulus
+    return Site(centre, normal, body, surface, patch, modulus, fidelity, tilted(normal, tilt))
 
 
 def _faces_that_may_touch(

@@ -7,7 +7,7 @@ from palpate.fem_offline.block import block
 from palpate.fem_offline.contact import Sticking, Unilateral, contact_surface
 from palpate.fem_offline.organ import boundary_faces
 from palpate.fem_offline.quadratic_space import quadratic_space
-from palpate.fem_offline.tool import Sphere
+from palpate.fem_offline.tool import Pose, Sphere
 
 R = 5e-3
 
@@ -28,12 +28,12 @@ def pressed(top):
     nodes, surface = top
     random = np.random.default_rng(0)
     multiplier = random.uniform(0.0, 2e3, surface.point_shape)
-    contact = Unilateral(surface, Sphere(R), 4e7, np.array([2e-4, -3e-4, R - 1e-3]), multiplier)
+    contact = Unilateral(surface, Sphere(R), 4e7, Pose.upright([2e-4, -3e-4, R - 1e-3]), multiplier)
     return contact, 1e-5 * random.standard_normal(nodes.shape)
 
 
 def stuck_like(surface, contact, u):
-    stuck = Sticking(surface, 4e8, surface.points(u), contact.state(u).traction, contact.position.copy())
+    stuck = Sticking(surface, 4e8, surface.points(u), contact.state(u).traction, contact.pose.position.copy())
     stuck.translation = np.array([1e-5, -2e-5, 5e-6])
     return stuck
 
@@ -72,11 +72,11 @@ def test_force_on_the_tool_is_minus_the_load_on_the_tissue(top, pressed):
 
 def test_force_is_minus_the_energy_slope_over_the_tool_position(pressed):
     contact, u = pressed
-    exact, home, h = contact.state(u).force, contact.position, 1e-9
+    exact, home, h = contact.state(u).force, contact.pose, 1e-9
     for k in range(3):
         energies = []
         for sign in (1, -1):
-            contact.position = home + sign * h * np.eye(3)[k]
+            contact.pose = home.at(home.position + sign * h * np.eye(3)[k])
             energies.append(contact.state(u).energy)
         assert -(energies[0] - energies[1]) / (2 * h) == pytest.approx(
             exact[k], abs=1e-5 * np.linalg.norm(exact)
@@ -95,14 +95,14 @@ def test_moment_is_the_sum_of_r_cross_f(top, pressed):
     stuck = stuck_like(surface, contact, u)
     state = stuck.state(u)
     load = surface.weight[:, :, None] * state.traction
-    arm = surface.points(u) - (contact.position + stuck.translation)
+    arm = surface.points(u) - (contact.pose.position + stuck.translation)
     assert state.moment == pytest.approx(-np.cross(arm, load).reshape(-1, 3).sum(axis=0), rel=1e-12)
     assert np.linalg.norm(state.moment) > 1e-3 * R * np.linalg.norm(state.force)
 
 
 def test_nothing_pulls(top):
     nodes, surface = top
-    away = Unilateral(surface, Sphere(R), 4e7, np.array([0.0, 0.0, R + 1e-6]))
+    away = Unilateral(surface, Sphere(R), 4e7, Pose.upright([0.0, 0.0, R + 1e-6]))
     state = away.state(np.zeros_like(nodes))
     assert not state.force.any() and state.area == 0.0 and not away.touches(np.zeros_like(nodes))
 
@@ -118,7 +118,7 @@ def test_sticking_begins_in_balance(top, pressed):
     """No move, no change: the base traction is what the frictionless contact carried."""
     _, surface = top
     contact, u = pressed
-    stuck = Sticking(surface, 4e8, surface.points(u), contact.state(u).traction, contact.position)
+    stuck = Sticking(surface, 4e8, surface.points(u), contact.state(u).traction, contact.pose.position)
     assert stuck.state(u).gradient == pytest.approx(contact.state(u).gradient, abs=1e-15)
     assert stuck.state(u).force == pytest.approx(contact.state(u).force, rel=1e-12)
 

@@ -126,15 +126,13 @@ def test_lateral_push_is_the_slope_of_the_energy():
 
 def pressed(site):
     """Frictionless equilibrium 1 mm deep."""
-    contact = Unilateral(
-        site.surface, TOOL, 8e3 * site.youngs_modulus, site.contact_point + (R - 1e-3) * site.normal
-    )
+    contact = Unilateral(site.surface, TOOL, 8e3 * site.youngs_modulus, site.pose(TOOL, 1e-3))
     return contact, equilibrate(site.body, contact, np.zeros_like(site.body.nodes), 1e-9, 1e-6)
 
 
 def stuck_like(site, contact, found):
     base, anchor = found.contact.traction, site.surface.points(found.u)
-    return Sticking(site.surface, 8e4 * site.youngs_modulus, anchor, base, contact.position)
+    return Sticking(site.surface, 8e4 * site.youngs_modulus, anchor, base, contact.pose.position)
 
 
 def test_a_stuck_contact_in_place_is_in_equilibrium(site):

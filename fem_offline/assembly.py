@@ -81,29 +81,31 @@ def quadrature_weight(volume: wp.float64, q: int) -> wp.float64:
 
 
 @wp.func
-def stress(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> wp.mat33d:
-    """What material m contributes to P at quadrature point q, Pa."""
+def kappa_at(q: int, table: wp.array2d(dtype=wp.float64), m: int) -> wp.float64:
+    """Share of material m's bulk modulus at quadrature point q, Pa."""
     if q < FOUR_POINTS:
-        return law.isochoric_stress(F, table, m) + law.volumetric_stress(F, table, m, table[m, t.KAPPA_FULL])
-    return law.volumetric_stress(F, table, m, table[m, t.KAPPA_CENTRE])
+        return table[m, t.KAPPA_FULL]
+    return table[m, t.KAPPA_CENTRE]
 
 
 @wp.func
-def energy_density(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> wp.float64:
-    """What material m contributes to psi at quadrature point q, Pa."""
+def response(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int):
+    """What material m contributes to psi and P at quadrature point q, Pa."""
+    psi, P = law.volumetric(F, table, m, kappa_at(q, table, m))
     if q < FOUR_POINTS:
-        return law.isochoric_energy(F, table, m) + law.volumetric_energy(F, table, m, table[m, t.KAPPA_FULL])
-    return law.volumetric_energy(F, table, m, table[m, t.KAPPA_CENTRE])
+        psi_iso, P_iso = law.isochoric(F, table, m)
+        psi += psi_iso
+        P += P_iso
+    return psi, P
 
 
 @wp.func
 def tangent(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
     """What material m contributes to A = dP/dF at quadrature point q, Pa."""
+    A = law.volumetric_tangent(F, table, m, kappa_at(q, table, m))
     if q < FOUR_POINTS:
-        return law.isochoric_tangent(F, table, m) + law.volumetric_tangent(
-            F, table, m, table[m, t.KAPPA_FULL]
-        )
-    return law.volumetric_tangent(F, table, m, table[m, t.KAPPA_CENTRE])
+        A += law.isochoric_tangent(F, table, m)
+    return A
 
 
 @wp.kernel
@@ -132,8 +134,9 @@ def energy_and_force(
         for m in range(table.shape[0]):
             if fraction[e, m] != wp.float64(0.0):
                 weight = quadrature_weight(volumes[e], q) * fraction[e, m]
-                W += weight * energy_density(F, q, table, m)
-                P += stress(F, q, table, m) * weight
+                psi, P_m = response(F, q, table, m)
+                W += weight * psi
+                P += P_m * weight
         for a in range(10):
             f = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
             for i in range(3):

@@ -17,78 +17,61 @@ import warp as wp
 
 from palpate.fem_offline import material_table as t
 from palpate.fem_offline.hooke import (
-    linear_isochoric_energy,
-    linear_isochoric_stress,
+    linear_isochoric,
     linear_isochoric_tangent,
-    linear_volumetric_energy,
-    linear_volumetric_stress,
+    linear_volumetric,
     linear_volumetric_tangent,
 )
-from palpate.fem_offline.invariant_models import invariant_energy, invariant_stress, invariant_tangent
+from palpate.fem_offline.invariant_models import invariant_isochoric, invariant_isochoric_tangent
 from palpate.fem_offline.near_one import jacobian_less_one
+from palpate.fem_offline.ogden import ogden_isochoric, ogden_isochoric_tangent
 from palpate.fem_offline.tensor4 import inverse_transpose, mat9x9
 
-__all__ = [
-    "isochoric_energy",
-    "isochoric_stress",
-    "isochoric_tangent",
-    "volumetric_energy",
-    "volumetric_stress",
-    "volumetric_tangent",
-]
+__all__ = ["isochoric", "isochoric_tangent", "volumetric", "volumetric_tangent"]
 
 
 @wp.func
-def isochoric_energy(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> wp.float64:
-    """psi_iso of material m, Pa."""
-    if int(table[m, t.MODEL]) == t.LINEAR:
-        return linear_isochoric_energy(F, table[m, t.CONSTANTS])
-    return invariant_energy(F, table, m)
-
-
-@wp.func
-def isochoric_stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> wp.mat33d:
-    """P of psi_iso of material m, Pa."""
-    if int(table[m, t.MODEL]) == t.LINEAR:
-        return linear_isochoric_stress(F, table[m, t.CONSTANTS])
-    return invariant_stress(F, table, m)
+def isochoric(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int):
+    """psi_iso (float64) and its P (mat33d) of material m, Pa."""
+    model = int(table[m, t.MODEL])
+    psi = wp.float64(0.0)
+    P = wp.mat33d()
+    if model == t.LINEAR:
+        psi, P = linear_isochoric(F, table[m, t.CONSTANTS])
+    elif model == t.OGDEN:
+        psi, P = ogden_isochoric(F, table, m)
+    else:
+        psi, P = invariant_isochoric(F, table, m)
+    return psi, P
 
 
 @wp.func
 def isochoric_tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
     """A[3 i + k, 3 j + l] = d P_ik / d F_jl of psi_iso of material m, Pa."""
-    if int(table[m, t.MODEL]) == t.LINEAR:
+    model = int(table[m, t.MODEL])
+    if model == t.LINEAR:
         return linear_isochoric_tangent(table[m, t.CONSTANTS])
-    return invariant_tangent(F, table, m)
+    if model == t.OGDEN:
+        return ogden_isochoric_tangent(F, table, m)
+    return invariant_isochoric_tangent(F, table, m)
 
 
 @wp.func
-def volumetric_energy(
-    F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int, kappa: wp.float64
-) -> wp.float64:
-    """kappa/2 (J - 1)^2, Pa."""
-    if int(table[m, t.MODEL]) == t.LINEAR:
-        return linear_volumetric_energy(F, kappa)
+def volumetric(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int, kappa: wp.float64):
+    """psi_vol (float64) and its P (mat33d) of material m, Pa."""
     j = jacobian_less_one(F)
-    return wp.float64(0.5) * kappa * j * j
-
-
-@wp.func
-def volumetric_stress(
-    F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int, kappa: wp.float64
-) -> wp.mat33d:
-    """kappa (J - 1) J F^-T, Pa."""
+    psi = wp.float64(0.5) * kappa * j * j
+    P = inverse_transpose(F) * (kappa * j * (wp.float64(1.0) + j))
     if int(table[m, t.MODEL]) == t.LINEAR:
-        return linear_volumetric_stress(F, kappa)
-    j = jacobian_less_one(F)
-    return inverse_transpose(F) * (kappa * j * (wp.float64(1.0) + j))
+        psi, P = linear_volumetric(F, kappa)
+    return psi, P
 
 
 @wp.func
 def volumetric_tangent(
     F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int, kappa: wp.float64
 ) -> mat9x9:
-    """kappa (J (2 J - 1) F^-T_ik F^-T_jl - J (J - 1) F^-T_il F^-T_jk), Pa."""
+    """A of psi_vol of material m, Pa."""
     if int(table[m, t.MODEL]) == t.LINEAR:
         return linear_volumetric_tangent(kappa)
     j = jacobian_less_one(F)

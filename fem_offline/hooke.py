@@ -14,14 +14,7 @@ import warp as wp
 
 from palpate.fem_offline.tensor4 import mat9x9
 
-__all__ = [
-    "linear_isochoric_energy",
-    "linear_isochoric_stress",
-    "linear_isochoric_tangent",
-    "linear_volumetric_energy",
-    "linear_volumetric_stress",
-    "linear_volumetric_tangent",
-]
+__all__ = ["linear_isochoric", "linear_isochoric_tangent", "linear_volumetric", "linear_volumetric_tangent"]
 
 THIRD = wp.constant(wp.float64(1.0 / 3.0))
 
@@ -35,16 +28,10 @@ def deviatoric_strain(F: wp.mat33d) -> wp.mat33d:
 
 
 @wp.func
-def linear_isochoric_energy(F: wp.mat33d, mu: wp.float64) -> wp.float64:
-    """mu dev(eps):dev(eps)."""
+def linear_isochoric(F: wp.mat33d, mu: wp.float64):
+    """psi = mu dev(eps):dev(eps) and P = 2 mu dev(eps)."""
     strain = deviatoric_strain(F)
-    return mu * wp.ddot(strain, strain)
-
-
-@wp.func
-def linear_isochoric_stress(F: wp.mat33d, mu: wp.float64) -> wp.mat33d:
-    """2 mu dev(eps)."""
-    return deviatoric_strain(F) * (wp.float64(2.0) * mu)
+    return mu * wp.ddot(strain, strain), strain * (wp.float64(2.0) * mu)
 
 
 @wp.func
@@ -60,17 +47,11 @@ def linear_isochoric_tangent(mu: wp.float64) -> mat9x9:
 
 
 @wp.func
-def linear_volumetric_energy(F: wp.mat33d, kappa: wp.float64) -> wp.float64:
-    """kappa/2 tr(eps)^2."""
-    trace = wp.trace(F - wp.identity(n=3, dtype=wp.float64))
-    return wp.float64(0.5) * kappa * trace * trace
-
-
-@wp.func
-def linear_volumetric_stress(F: wp.mat33d, kappa: wp.float64) -> wp.mat33d:
-    """kappa tr(eps) 1."""
+def linear_volumetric(F: wp.mat33d, kappa: wp.float64):
+    """psi = kappa/2 tr(eps)^2 and P = kappa tr(eps) 1."""
     one = wp.identity(n=3, dtype=wp.float64)
-    return one * (kappa * wp.trace(F - one))
+    trace = wp.trace(F - one)
+    return wp.float64(0.5) * kappa * trace * trace, one * (kappa * trace)
 
 
 @wp.func

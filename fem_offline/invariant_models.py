@@ -21,7 +21,7 @@ s = J^(-2/3):
     W_11 = d11 s^2,   W_12 = W_22 = 0,   W_1t = -2/3 s (d1 + d11 I1bar),   W_2t = -4/3 s^2 d2
     W_tt = 4/9 (d1 I1bar + d11 I1bar^2 + 4 d2 I2bar)
 
-(derived here; the single terms are Holzapfel, Nonlinear Solid Mechanics, 2000, eq. 6.91-6.94 and 6.167-6.169.)
+(derived here; compare Holzapfel, Nonlinear Solid Mechanics, 2000, sections 6.4 and 6.6.)
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from palpate.fem_offline import material_table as t
 from palpate.fem_offline.near_one import expm1, jacobian_less_one
 from palpate.fem_offline.tensor4 import inverse_transpose, mat9x9
 
-__all__ = ["invariant_energy", "invariant_stress", "invariant_tangent"]
+__all__ = ["invariant_isochoric", "invariant_isochoric_tangent"]
 
 # A quotient of literals inside a Warp function would be taken in float32.
 TWO_THIRDS = wp.constant(wp.float64(2.0 / 3.0))
@@ -79,16 +79,8 @@ def derivatives(table: wp.array2d(dtype=wp.float64), m: int, a: wp.float64, b: w
 
 
 @wp.func
-def invariant_energy(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> wp.float64:
-    """psi_iso(I1bar, I2bar), Pa."""
-    x = distortion(F)
-    d = derivatives(table, m, x[0], x[1])
-    return d[0]
-
-
-@wp.func
-def invariant_stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> wp.mat33d:
-    """P = 2 W_1 F + 2 W_2 (I1 F - F C) + W_t F^-T, Pa."""
+def invariant_isochoric(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int):
+    """psi and P = 2 W_1 F + 2 W_2 (I1 F - F C) + W_t F^-T, Pa."""
     two = wp.float64(2.0)
     three = wp.float64(3.0)
     x = distortion(F)
@@ -98,11 +90,11 @@ def invariant_stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) 
     P = F * (two * s * d[1]) + inverse_transpose(F) * Wt
     if d[2] != wp.float64(0.0):
         P += (F * wp.ddot(F, F) - F * wp.transpose(F) * F) * (two * s * s * d[2])
-    return P
+    return d[0], P
 
 
 @wp.func
-def invariant_tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
+def invariant_isochoric_tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
     """A[3 i + k, 3 j + l] = d P_ik / d F_jl, Pa.
 
     A = sum_pq W_pq g_p (x) g_q + 2 W_1 d_ij d_kl - W_t F^-T_il F^-T_jk

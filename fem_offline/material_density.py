@@ -29,8 +29,10 @@ def evaluate(
 ):
     i = wp.tid()
     kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
-    energy[i] = law.isochoric_energy(F[i], table, 0) + law.volumetric_energy(F[i], table, 0, kappa)
-    stress[i] = law.isochoric_stress(F[i], table, 0) + law.volumetric_stress(F[i], table, 0, kappa)
+    psi, P = law.isochoric(F[i], table, 0)
+    psi_vol, P_vol = law.volumetric(F[i], table, 0, kappa)
+    energy[i] = psi + psi_vol
+    stress[i] = P + P_vol
     tangent[i] = law.isochoric_tangent(F[i], table, 0) + law.volumetric_tangent(F[i], table, 0, kappa)
 
 

@@ -79,8 +79,6 @@ def material_table(materials: Sequence[Tabulated], full_share: float = FULL_SHAR
     width = max(len(material.constants) for material in materials)
     table = np.zeros((len(materials), int(CONSTANTS) + width))
     for row, material in zip(table, materials, strict=True):
-        if material.model == OGDEN:
-            raise NotImplementedError("Ogden materials are not built yet")
         row[MODEL] = material.model
         row[KAPPA_FULL], row[KAPPA_CENTRE] = kappa_split(material, full_share)
         row[TERM_COUNT] = len(material.constants) // 2  # Ogden's; others do not read it

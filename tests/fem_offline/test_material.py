@@ -25,6 +25,8 @@ MATERIALS = [
     MooneyRivlin(0.35 * MU, 0.15 * MU, NU),
     Yeoh(0.5 * MU, 0.4 * MU, 0.3 * MU, NU),
     VerondaWestmann(MU / 3.0, 3.0, NU),
+    Ogden((MU,), (6.0,), NU),
+    Ogden((1.5 * MU, -0.5 * MU), (1.3, -5.0), NU),
 ]
 OBJECTIVE = MATERIALS[1:]
 

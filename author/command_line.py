@@ -92,6 +92,12 @@ def press(
     depth: Annotated[str, typer.Option("--depth", metavar="D", help='deepest state, such as "5 mm"')],
     lateral: Annotated[str, typer.Option("--lateral", metavar="DX,DY", help="then, sticking, aside")] = "",
     fidelity: Annotated[str, typer.Option("--fidelity", help="near_field or full; default: scene's")] = "",
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="keeps the work, the answer and a picture")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE.png", help="curves")] = None,
+    vtu: Annotated[Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="deformed tetrahedra")] = None,
+    usd: Annotated[Path | None, typer.Option("--usd", metavar="FILE.usda", help="deformed surface")] = None,
     as_json: Json = False,
 ) -> None:
     """Press the tool into the organ once, by finite elements."""
@@ -105,8 +111,11 @@ def press(
             raise InputError(InputProblem("", "--depth", depth, "is not above 0", 'a depth such as "5 mm"'))
         ready = ready_scene(scene)
         ready.tool_named(tool)
+        chosen = fidelity_named(fidelity or ready.accuracy.fidelity)
+        from palpate.author.press_command import PressFiles, press_lines
         from palpate.author.press_command import press as pressed
 
+        files = PressFiles(out, plot, vtu, usd)
         with ConsoleProgress() as progress:
             result = pressed(
                 ready,
@@ -114,10 +123,11 @@ def press(
                 tool=tool,
                 depth=deepest,
                 lateral=move,
-                fidelity=fidelity_named(fidelity or ready.accuracy.fidelity),
+                fidelity=chosen,
                 progress=progress,
+                files=files,
             )
-        return Answer(result, [_press_lines(result)])
+        return Answer(result, [press_lines(result)], 0 if result["converged"] else 1)
 
     _end(work, as_json)
 
@@ -274,14 +284,6 @@ def _error_lines(result: dict[str, Any]) -> str:
         lines.append(f"{tool['name']}: {presses}, {size}; force error {_percentiles(tool['force_error'])}")
     lines.append("tolerance met" if result["tolerance_met"] else "tolerance NOT met")
     return "\n".join(lines)
-
-
-def _press_lines(result: dict[str, Any]) -> str:
-    rows = zip(result["depth"], result["force"], result["energy"], strict=True)
-    lines = ["depth (mm)  force (N)  energy (mJ)"]
-    lines += [f"{1e3 * d:10.3f}  {f:9.4f}  {1e3 * u:11.5f}" for d, f, u in rows]
-    state = "converged" if result["converged"] else f"NOT converged: {result['reason']}"
-    return "\n".join([*lines, f"{state}, {result['unknowns']} unknowns, {result['seconds']:.1f} s"])
 
 
 def _replay_lines(result: dict[str, Any]) -> str:

@@ -30,13 +30,24 @@ from palpate.author.scene_types import digest
 from palpate.author.store import Store
 from palpate.fem_offline.pose import tangents
 
-__all__ = ["PressJob", "PressOutcome", "mechanics_version", "press_executor", "run_jobs"]
+__all__ = [
+    "PressJob",
+    "PressOutcome",
+    "mechanics_version",
+    "press_executor",
+    "run_here",
+    "run_jobs",
+]
 
 MECHANICS = (
     "assembly", "body", "conjugate_gradients", "contact", "equilibrium", "far_field", "linear_solver", "material",
     "organ", "patch", "pose", "press", "quadratic_space", "site", "sphere", "tool",
 )  # fmt: skip
 """Modules whose text decides what a press finds: a record is kept for one text of them only."""
+
+
+LATERAL_STEPS = 4
+"""Equilibria of an explicit sticking move."""
 
 
 @cache
@@ -70,6 +81,7 @@ class PressJob:
             in a direction at `angle` from the first tangent.
         friction: mu, for the reachable stretch.
         lateral: (2,) m or None; an explicit move at the last depth instead (along the tangents).
+        shape: keep the deformed patch at the deepest state as well (arrays named "shape_...").
     """
 
     contact_point: tuple[float, float, float]
@@ -80,6 +92,7 @@ class PressJob:
     friction: float = 0.0
     lateral: tuple[float, float] | None = None
     refinement: float = 1.0
+    shape: bool = False
 
     def key(self, mesh: OrganMesh) -> str:
         return digest({"organ": mesh.hash, "job": asdict(self), "mechanics": mechanics_version()})
@@ -117,8 +130,15 @@ def _organ(mesh: OrganMesh):
     return _LAST["organ"]
 
 
-def solve(mesh: OrganMesh, job: PressJob, folder: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Press once and keep the record; runs in a worker.  A press that cannot be meshed is a record too."""
+def solve(
+    mesh: OrganMesh, job: PressJob, folder: str, progress: Callable[[float], None] = lambda depth: None
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Press once and keep the record; runs in a worker.  A press that cannot be meshed is a record too.
+
+    Args:
+        progress: called with each depth (m) that is reached.
+    """
+    from palpate.fem_offline.deformed import deformed_patch
     from palpate.fem_offline.far_field import FarField
     from palpate.fem_offline.patch import PatchError
     from palpate.fem_offline.press import press
@@ -134,9 +154,17 @@ def solve(mesh: OrganMesh, job: PressJob, folder: str) -> tuple[dict[str, np.nda
 
     tool = Sphere(job.radius)
     size = patch_size(tool, job.depths[-1], refinement=job.refinement)
+    deepest: dict[str, Any] = {}
     try:
         site = open_site(_organ(mesh), np.array(job.contact_point), tool, size, job.fidelity, far_field)
-        record = press(site, tool, np.array(job.depths), moves=_moves(job))
+        record = press(
+            site,
+            tool,
+            np.array(job.depths),
+            moves=_moves(job),
+            progress=progress,
+            watch=lambda depth, found: deepest.update(depth=depth, found=found),
+        )
     except (PatchError, ArithmeticError) as error:
         arrays: dict[str, np.ndarray] = {"depth": np.zeros(1), "force_vector": np.zeros((1, 3))}
         values: dict[str, Any] = {"converged": False, "reason": str(error), "lateral": [], "unknowns": 0}
@@ -149,6 +177,11 @@ def solve(mesh: OrganMesh, job: PressJob, folder: str) -> tuple[dict[str, np.nda
             {name: np.asarray(v).tolist() for name, v in asdict(ladder).items()} for ladder in ladders
         ]
         values["patch"] = {"tets": len(site.patch.tets), "quality": site.patch.quality}
+        if job.shape and deepest:
+            found = deepest["found"]
+            shown = deformed_patch(site, found.u, found.contact.traction)
+            arrays |= {f"shape_{name}": getattr(shown, name) for name in shown.__dataclass_fields__}
+            values["shape_depth"] = deepest["depth"]
     values["seconds"] = time.perf_counter() - begun
     values["cpu_seconds"] = time.process_time() - cpu
     store.write("press", job.key(mesh), arrays, values)
@@ -164,7 +197,10 @@ def _moves(job: PressJob):
     def moves(index: int, state: PressState) -> np.ndarray | None:
         frame = tangents(state.normal)
         if job.lateral is not None:
-            return (np.array(job.lateral) @ frame)[None] if index == len(job.depths) - 1 else None
+            if index != len(job.depths) - 1:
+                return None
+            share = np.arange(1, LATERAL_STEPS + 1) / LATERAL_STEPS
+            return share[:, None] * (np.array(job.lateral) @ frame)
         if index not in chosen:
             return None
         share, angle = chosen[index]
@@ -225,6 +261,18 @@ def press_executor(workers: int | None = None) -> Iterator[Executor]:
                 os.environ.pop(name, None)
             else:
                 os.environ[name] = value
+
+
+def run_here(
+    mesh: OrganMesh, job: PressJob, store: Store, progress: Callable[[float], None] = lambda depth: None
+) -> PressOutcome:
+    """The outcome of one job, solved in this process unless it is kept; `progress` as in `solve`."""
+    key = job.key(mesh)
+    kept = store.read("press", key)
+    if kept is not None:
+        return PressOutcome(job, key, *kept, fresh=False)
+    atexit.register(_LAST.clear)  # see _start_worker
+    return PressOutcome(job, key, *solve(mesh, job, str(store.folder), progress))
 
 
 def run_jobs(

@@ -187,6 +187,7 @@ def test_a_press_tells_which_option_is_wrong(
 ) -> None:
     module = types.ModuleType("palpate.author.press_command")
     module.press = lambda *a, **k: {}  # type: ignore[attr-defined]
+    module.PressFiles = module.press_lines = module.press  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "palpate.author.press_command", module)
     assert main(["press", str(write_scene()), "--tool", "ball", *options, "--json"]) == 2
     assert [problem["key"] for problem in json_answer(capfd.readouterr())["error"]["problems"]] == [key]
@@ -199,15 +200,16 @@ def test_a_press_is_asked_for_in_si(
 
     def press(scene: Any, **options: Any) -> dict[str, Any]:
         asked.update(options)
-        return {"depth": np.zeros(1)}
+        return {"depth": np.zeros(1), "converged": True}
 
     module = types.ModuleType("palpate.author.press_command")
     module.press = press  # type: ignore[attr-defined]
+    module.PressFiles = lambda *paths: paths  # type: ignore[attr-defined]
+    module.press_lines = lambda result: ""  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, "palpate.author.press_command", module)
     options = ["--at=-10 mm,0,0.04", "--tool", "ball", "--depth", "3 mm", "--lateral", "1 mm,-2 mm"]
-    monkeypatch.setattr("palpate.author.command_line._press_lines", lambda result: "")
     assert main(["press", str(write_scene()), *options, "--json"]) == 0
-    assert json_answer(capfd.readouterr()) == {"depth": [0.0]}
+    assert json_answer(capfd.readouterr()) == {"depth": [0.0], "converged": True}
     assert asked["at"] == pytest.approx((-0.01, 0.0, 0.04))
     assert asked["depth"] == pytest.approx(0.003)
     assert asked["lateral"] == pytest.approx((0.001, -0.002))

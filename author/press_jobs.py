@@ -8,7 +8,6 @@ keeps the organ it works on, and far fields go through the store, so that anothe
 
 from __future__ import annotations
 
-import ast
 import atexit
 import multiprocessing
 import os
@@ -18,13 +17,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, ProcessPoolExecutor, wait
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
@@ -39,33 +37,8 @@ __all__ = [
     "run_jobs",
 ]
 
-MECHANICS = (
-    "assembly", "body", "conjugate_gradients", "contact", "equilibrium", "far_field", "linear_solver", "material",
-    "organ", "patch", "pose", "press", "quadratic_space", "site", "sphere", "tool",
-)  # fmt: skip
-"""Modules whose text decides what a press finds: a record is kept for one text of them only."""
-
-
 LATERAL_STEPS = 4
 """Equilibria of an explicit sticking move."""
-
-
-@cache
-def mechanics_version() -> str:
-    """Hex digest of the mechanics' source, comments, docstrings and layout left out."""
-    folder = files("palpate.fem_offline")
-    return digest([_meaning((folder / f"{name}.py").read_text()) for name in MECHANICS])
-
-
-def _meaning(source: str) -> str:
-    tree = ast.parse(source)
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if isinstance(body, list):
-            node.body = [
-                n for n in body if not (isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant))
-            ]  # type: ignore[attr-defined]
-    return ast.dump(tree)
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from palpate.fem_offline.assembly import ElementState
 from palpate.fem_offline.body import Body
 from palpate.fem_offline.conjugate_gradients import NegativeCurvatureError, StaleError
 from palpate.fem_offline.contact import ContactHessian, ContactState, Sticking
+from palpate.fem_offline.coulomb import Coulomb
 from palpate.fem_offline.linear_solver import NotPositiveDefiniteError
 
 __all__ = ["Equilibrium", "EquilibriumError", "equilibrate"]
@@ -67,7 +68,7 @@ class Equilibrium:
 
 
 def _direction(body: Body, contact: Contact, u: np.ndarray, r: np.ndarray, tolerance: float) -> np.ndarray:
-    stuck = isinstance(contact, Sticking)
+    stuck = isinstance(contact, Sticking | Coulomb)
     for geometric, shift in LADDER:
         try:
             body.linearise(u, contact.hessian(u, geometric), shift, stuck)

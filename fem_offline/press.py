@@ -21,8 +21,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from palpate.fem_offline.contact import Sticking, Unilateral
+from palpate.fem_offline.coulomb import Coulomb, FrictionCheck
 from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equilibrate
 from palpate.fem_offline.site import Site
+from palpate.fem_offline.sliding import equilibrate_sliding
 from palpate.fem_offline.tool import Tool
 
 __all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "press"]

@@ -15,9 +15,9 @@ Comput. Struct. 42:97-116, 1992).  With t and n *lagged* this is the slope of a 
 
 so that an equilibrium is found as without friction; sliding.py brings the lagged values to the found ones.
 
-A point that was open at the last step slides only from where it touched: with gap g_0 and normal n_0 there it moved
-a share s = g_0 / -n_0.(X - X_0) of its way before it touched, and its anchor is X_0 + s (X - X_0).  (An anchor at X_0
-gives friction to the approach: along a tool pressed straight in, in the wrong direction.)
+A point that was open at the last step slides only from where it touched: with gap g_0 and normal n_0 there, and gap
+g <= 0 now, it moved a share s = (g_0 - g) / -n_0.(X - X_0) of its way before, and its anchor is X_0 + s (X - X_0).
+(An anchor at X_0 gives friction to the approach: along a tool pressed straight in, in the wrong direction.)
 
 Dissipation of a step: sum_q w_q (mu t_0 + mu t)/2 gamma, gamma = max(0, |z| - mu t / eps_t), never negative.
 """
@@ -107,7 +107,8 @@ class Coulomb(Unilateral):
         """Find where points that were open began to touch, on their way to u (N, 3) m."""
         way = self.surface.points(u) - self.position - self.place
         closing = -np.einsum("bqi,bqi->bq", self.facing, way)
-        share = np.where(closing > self.opening, self.opening / np.maximum(closing, 1e-300), 1.0)
+        closed = self.opening - np.minimum(self._distance(u)[1], 0.0)
+        share = np.where(closing > closed, closed / np.maximum(closing, 1e-300), 1.0)
         self._anchor = np.where(
             (self.reached > 0.0)[:, :, None], self.place, self.place + share[:, :, None] * way
         )
@@ -138,9 +139,7 @@ class Coulomb(Unilateral):
         x = self.surface.points(u)
         _, tau, length = self._friction(x)
         eps, limit, w = self.tangential_penalty, self.limit, self.surface.weight
-        huber = np.where(
-            eps * length <= limit, 0.5 * eps * length**2, limit * length - 0.5 * limit**2 / eps
-        )
+        huber = np.where(eps * length <= limit, 0.5 * eps * length**2, limit * length - 0.5 * limit**2 / eps)
         load = w[:, :, None] * tau
         return replace(
             pressed,

@@ -8,6 +8,10 @@ Each recorded state is an equilibrium; f = force on the tool, W = stored energy.
     action and reaction:  |f_tool - f_supports| / |f_tool|          (the supports' side is computed on its own)
     work and energy:      dW/dd = f . n                             (checked over each ladder, see `work_mismatch`)
 
+With a friction coefficient the same ladder runs with Coulomb's law at every point (coulomb.py), on a path of smaller
+steps, because friction remembers; the record then holds what the law's own check found, and the work also pays for
+dissipation: dW/dd + dD/dd = f . n.
+
 Sticking: at each depth the points in contact are held to the tool, and the tool's translational stiffness
 K = -df/dp is found from the linearised equilibrium.  Lateral ladders do the same with finite moves.
 """
@@ -27,7 +31,7 @@ from palpate.fem_offline.site import Site
 from palpate.fem_offline.sliding import equilibrate_sliding
 from palpate.fem_offline.tool import Tool
 
-__all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "press"]
+__all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "SlidingRecord", "press"]
 
 
 LOOSE = 3.0e-3
@@ -35,6 +39,10 @@ LOOSE = 3.0e-3
 STICKING_TOLERANCE = 1.0e-6
 """Of the linear solves for the sticking stiffness.  The stiffness is a small difference of large numbers (the
 spring that holds the points is a thousand times stiffer than the tissue): 1e-2 was off by half."""
+
+
+PATH = 1.0e-5
+"""Residual of steps on the way with friction; they are remembered."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +57,7 @@ class PressSettings:
         halvings: how often a failed step is halved before the press stops.
         sticking_penalty: multiple of `penalty` that holds sticking points.
         reaction_tolerance: action against reaction above which a state is refused.
+        growth: with friction, largest step over the depth already reached; the first is an eighth of the first depth.
     """
 
     penalty: float = 8.0e3
@@ -58,6 +67,7 @@ class PressSettings:
     halvings: int = 4
     sticking_penalty: float = 10.0
     reaction_tolerance: float = 1.0e-8
+    growth: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -91,6 +101,25 @@ class PressState:
 
 
 @dataclass(frozen=True)
+class SlidingRecord:
+    """What friction did in a press; rows as the press record's.
+
+    Attributes:
+        friction: coefficient.
+        dissipation: (K,) J since the untouched state.
+        sliding: (K,) share of the pressed area that slid in the last step.
+        excess: (K,) largest |tau| - mu p over the largest mu p, from the states' tractions anew.
+        turned: (K,) largest power that friction misses for not opposing sliding, over the largest mu p |slip|.
+    """
+
+    friction: float
+    dissipation: np.ndarray
+    sliding: np.ndarray
+    excess: np.ndarray
+    turned: np.ndarray
+
+
+@dataclass(frozen=True)
 class PressRecord:
     """What one press found.  K states, the untouched one first.
 
@@ -103,9 +132,10 @@ class PressRecord:
         sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck, at every second depth and the deepest;
             zero at the zero state, NaN elsewhere.
         lateral: sticking lateral ladders.
-        work_mismatch: largest |W - integral of f_n| over the ladder, fraction of the deepest W.
+        work_mismatch: largest |W + dissipation - integral of f_n| over the ladder, fraction of the deepest W.
         converged: every depth asked for was reached.  reason: why not, else "".
         unknowns: free equations.  newton_steps: in all.  seconds: wall time.  fidelity: near_field or full.
+        sliding: with friction; None without.
     """
 
     contact_point: np.ndarray
@@ -127,6 +157,7 @@ class PressRecord:
     newton_steps: int
     seconds: float
     fidelity: str
+    sliding: SlidingRecord | None = None
 
     @property
     def force(self) -> np.ndarray:
@@ -146,10 +177,15 @@ class _Ladder:
     u: list[np.ndarray] = field(default_factory=list)
     pressure: list[np.ndarray] = field(default_factory=list)
     newton_steps: int = 0
+    dissipation: float = 0.0
+    check: FrictionCheck | None = None
 
     def __post_init__(self) -> None:
         self.u = [np.zeros_like(self.site.body.nodes)]
         self.pressure = [np.zeros(self.site.surface.point_shape)]
+        if isinstance(self.contact, Coulomb):
+            self.contact.position = self.position(0.0)
+            self.contact.start(self.u[0])
 
     @property
     def force_floor(self) -> float:
@@ -167,31 +203,51 @@ class _Ladder:
             self.contact.multiplier = np.maximum(0.0, self.pressure[-1] + ratio * rise)
             if not np.isfinite(self.site.body.state(start).energy):
                 start = self.u[-1]
-        found = self._solve(start, LOOSE)
+        found = self._solve(start, LOOSE if recorded or not isinstance(self.contact, Coulomb) else PATH)
         if recorded:
             for _ in range(self.settings.updates - 1):
                 self.contact.update(found.u)
                 found = self._solve(found.u, LOOSE)
             self.contact.update(found.u)
             found = self._solve(found.u, self.settings.tolerance)
+        pressure = np.linalg.norm(found.contact.traction, axis=2)
+        if isinstance(self.contact, Coulomb):
+            pressure = self._remember(found)
         self.depth.append(depth)
         self.u.append(found.u)
-        self.pressure.append(np.linalg.norm(found.contact.traction, axis=2))
+        self.pressure.append(pressure)
         self.depth, self.u, self.pressure = self.depth[-3:], self.u[-3:], self.pressure[-3:]
         return found
 
+    def _remember(self, found: Equilibrium) -> np.ndarray:
+        """End a step with friction; returns the pressures, (B, Q) Pa."""
+        self.check = self.contact.check(found.u, found.contact)
+        if self.check.failure():
+            raise EquilibriumError(self.check.failure())
+        self.contact.commit(found.u)
+        self.dissipation += self.check.dissipation
+        return self.contact.limit / self.contact.friction
+
+    def _largest(self, depth: float) -> float:
+        """m; longest step towards `depth`."""
+        largest = self.settings.step * self.tool.contact_radius
+        if not isinstance(self.contact, Coulomb):
+            return largest
+        return min(largest, self.settings.growth * self.depth[-1] or depth / 8.0)
+
     def _solve(self, start: np.ndarray, tolerance: float) -> Equilibrium:
-        found = equilibrate(self.site.body, self.contact, start, tolerance, self.force_floor)
+        solve = equilibrate_sliding if isinstance(self.contact, Coulomb) else equilibrate
+        found = solve(self.site.body, self.contact, start, tolerance, self.force_floor)
         self.newton_steps += found.iterations
         return found
 
     def go_to(self, depth: float) -> Equilibrium:
         """Equilibrium at `depth` in steps of at most settings.step contact radii, halved where they fail."""
-        largest = self.settings.step * self.tool.contact_radius
+        largest = np.inf
         halvings = 0
         while True:
             remaining = depth - self.depth[-1]
-            count = int(np.ceil(remaining / largest - 1e-9))
+            count = int(np.ceil(remaining / min(largest, self._largest(depth)) - 1e-9))
             target = self.depth[-1] + remaining / max(count, 1)
             kept = (list(self.depth), list(self.u), list(self.pressure))
             try:
@@ -215,6 +271,7 @@ def press(
     moves: Callable[[int, PressState], np.ndarray | None] = lambda index, state: None,
     progress: Callable[[float], None] = lambda depth: None,
     watch: Callable[[float, Equilibrium], None] = lambda depth, found: None,
+    friction: float = 0.0,
 ) -> PressRecord:
     """Press `tool` into a site along -normal.
 
@@ -224,16 +281,17 @@ def press(
             with the contact stuck (each starts where the last one ended), or None.
         progress: called with each depth reached.
         watch: called with each recorded equilibrium, before any lateral move.
+        friction: Coulomb's coefficient; lateral moves stick whatever it is.
 
     Returns:
         The record, as deep as it came; `converged` and `reason` say whether that was all.
     """
     begun = time.perf_counter()
-    surface = site.surface
-    contact = Unilateral(surface, tool, settings.penalty * site.youngs_modulus)
+    contact = _contact(site, tool, settings, friction)
     ladder = _Ladder(site, tool, settings, contact)
     zero = np.zeros(3)
     rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
+    slid = [(0.0, 0.0, 0.0, 0.0)]
     ladders: list[LateralLadder] = []
     reason = ""
     for index, depth in enumerate(depths):
@@ -253,6 +311,9 @@ def press(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
                  touch.penetration, stiffness)
             )  # fmt: skip
+            if ladder.check:
+                check = ladder.check
+                slid.append((ladder.dissipation, check.sliding, check.excess, check.turned))
             watch(float(depth), found)
             wanted = moves(index, PressState(site.normal, touch.force, stiffness))
             if wanted is not None:
@@ -270,13 +331,31 @@ def press(
         site.normal,
         *column,
         tuple(ladders),
-        _work_mismatch(column[0], column[1] @ site.normal, column[3]),
+        _work_mismatch(
+            column[0], column[1] @ site.normal, column[3] + (np.array(slid)[:, 0] if friction else 0.0)
+        ),
         reason == "",
         reason,
         site.body.equation_count,
         ladder.newton_steps,
         time.perf_counter() - begun,
         site.fidelity,
+        SlidingRecord(friction, *np.array(slid).T) if friction else None,
+    )
+
+
+def _contact(site: Site, tool: Tool, settings: PressSettings, friction: float) -> Unilateral:
+    penalty = settings.penalty * site.youngs_modulus
+    if not friction:
+        return Unilateral(site.surface, tool, penalty)
+    if not 0.0 < friction < np.inf:
+        raise ValueError(f"friction is {friction}; it must be zero or a positive number")
+    return Coulomb(
+        site.surface,
+        tool,
+        penalty,
+        friction=friction,
+        tangential_penalty=settings.sticking_penalty * penalty,
     )
 
 

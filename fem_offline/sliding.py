@@ -73,9 +73,7 @@ def _residual(body: Body, contact: Coulomb, u: np.ndarray, force_floor: float) -
     return float(np.linalg.norm(r)) / max(float(np.linalg.norm(touch.force)), force_floor)
 
 
-def _newton(
-    body: Body, contact: Coulomb, u: np.ndarray, tolerance: float, force_floor: float
-) -> Equilibrium:
+def _newton(body: Body, contact: Coulomb, u: np.ndarray, tolerance: float, force_floor: float) -> Equilibrium:
     free = body.equation >= 0
 
     def at(u: np.ndarray):

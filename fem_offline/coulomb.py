@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contact with Coulomb friction, at the faces' quadrature points, step by step along the tool's path.
 
-Normal part as in contact.py.  With X the point's place in the tool's frame (x = p + X), X_0 and tau_0 its place and
+Normal part as in contact.py.  With X the point's place in the tool's frame (x = p + Q X), X_0 and tau_0 its place and
 friction traction after the last step, T = 1 - n n^T and mu t the friction that can be reached,
 
     z = T (X - X_0 - tau_0 / eps_t),   tau = -eps_t z               where eps_t |z| <= mu t  (sticks)
@@ -71,7 +71,7 @@ class Coulomb(Unilateral):
         tangential_penalty: eps_t, Pa/m.
         place: X_0, (B, Q, 3) m; base: tau_0, (B, Q, 3) Pa, both in the tool's frame, after the last step.
         reached: mu t_0, (B, Q) Pa; zero where open.
-        opening: g_0, (B, Q) m; facing: n_0, (B, Q, 3), where open.
+        opening: g_0, (B, Q) m; facing: n_0, (B, Q, 3), in the tool's frame; used where open.
     """
 
     friction: float = 0.0
@@ -89,9 +89,9 @@ class Coulomb(Unilateral):
     def start(self, u: np.ndarray) -> None:
         """Begin at u (N, 3) m without a past: nothing touches yet."""
         x, gap, normal, _ = self._distance(u)
-        self.place = x - self.position
+        self.place = self.pose.into_tool(x)
         self.base, self.reached = np.zeros_like(x), np.zeros_like(gap)
-        self.opening, self.facing = np.maximum(gap, 0.0), normal
+        self.opening, self.facing = np.maximum(gap, 0.0), normal @ self.pose.rotation
         self.lag(u)
         self.anchor(u)
 
@@ -99,15 +99,18 @@ class Coulomb(Unilateral):
         """Make the state at u (N, 3) m the end of a step."""
         self.lag(u)
         x, gap, normal, _ = self._distance(u)
-        base = self._friction(x)[1]
-        self.place, self.base, self.reached = x - self.position, base, self.limit
-        self.opening, self.facing = np.maximum(gap, 0.0), normal
+        Q = self.pose.rotation
+        base = self._friction(x)[1] @ Q
+        self.place, self.base, self.reached = self.pose.into_tool(x), base, self.limit
+        self.opening, self.facing = np.maximum(gap, 0.0), normal @ Q
+        self.anchor(u)
 
     def anchor(self, u: np.ndarray) -> None:
         """Find where points that were open began to touch, on their way to u (N, 3) m."""
-        way = self.surface.points(u) - self.position - self.place
+        x, gap, _, _ = self._distance(u)
+        way = self.pose.into_tool(x) - self.place
         closing = -np.einsum("bqi,bqi->bq", self.facing, way)
-        closed = self.opening - np.minimum(self._distance(u)[1], 0.0)
+        closed = self.opening - np.minimum(gap, 0.0)
         share = np.where(closing > closed, closed / np.maximum(closing, 1e-300), 1.0)
         self._anchor = np.where(
             (self.reached > 0.0)[:, :, None], self.place, self.place + share[:, :, None] * way
@@ -125,9 +128,13 @@ class Coulomb(Unilateral):
         self.normal = normal
         return float(np.linalg.norm(self.limit - before) / max(np.linalg.norm(self.limit), 1e-300))
 
+    def _way(self, x: np.ndarray) -> np.ndarray:
+        """X - X_0 (B, Q, 3) m, in the organ's frame."""
+        return (self.pose.into_tool(x) - self._anchor) @ self.pose.rotation.T
+
     def _friction(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """z and tau (B, Q, 3), |z| (B, Q) at deformed points x."""
-        q = x - self.position - self._anchor - self.base / self.tangential_penalty
+        q = self._way(x) - self.base @ self.pose.rotation.T / self.tangential_penalty
         z = q - np.einsum("bqi,bqi->bq", q, self.normal)[:, :, None] * self.normal
         length = np.linalg.norm(z, axis=2)
         tau = -np.minimum(self.tangential_penalty, self.limit / np.maximum(length, 1e-300))[:, :, None] * z
@@ -146,7 +153,7 @@ class Coulomb(Unilateral):
             energy=pressed.energy + float(np.sum(w * huber)),
             gradient=pressed.gradient - self.surface.nodal(tau, len(u)),
             force=pressed.force - load.sum(axis=(0, 1)),
-            moment=pressed.moment - np.cross(x - self.position, load).sum(axis=(0, 1)),
+            moment=pressed.moment - np.cross(x - self.pose.position, load).sum(axis=(0, 1)),
             traction=pressed.traction + tau,
         )
 
@@ -185,7 +192,7 @@ class Coulomb(Unilateral):
         x, gap, n, kappa = self._distance(u)
         pressure = np.maximum(0.0, self.multiplier - self.penalty * gap)
         slides, e, c, _ = self._tangent(x)
-        q = x - self.position - self._anchor - self.base / self.tangential_penalty
+        q = self._way(x) - self.base @ self.pose.rotation.T / self.tangential_penalty
         depth = np.einsum("bqi,bqi->bq", n, q)[:, :, None, None]
         bend = -depth * kappa - n[:, :, :, None] * np.einsum("bqij,bqj->bqi", kappa, q)[:, :, None, :]
         along = e[:, :, :, None] * np.einsum("bqi,bqij->bqj", e, bend)[:, :, None, :]
@@ -201,7 +208,7 @@ class Coulomb(Unilateral):
         tau = state.traction - pressure[:, :, None] * n
         limit = self.friction * np.maximum(pressure, 0.0)
         largest = max(float(limit.max()), 1e-300)
-        way = x - self.position - self._anchor + (tau - self.base) / self.tangential_penalty
+        way = self._way(x) + (tau - self.base @ self.pose.rotation.T) / self.tangential_penalty
         slip = way - np.einsum("bqi,bqi->bq", way, n)[:, :, None] * n
         gamma = np.linalg.norm(slip, axis=2)
         size = np.linalg.norm(tau, axis=2)

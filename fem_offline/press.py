@@ -184,7 +184,7 @@ class _Ladder:
         self.u = [np.zeros_like(self.site.body.nodes)]
         self.pressure = [np.zeros(self.site.surface.point_shape)]
         if isinstance(self.contact, Coulomb):
-            self.contact.position = self.position(0.0)
+            self.contact.pose = self.site.pose(self.tool, 0.0)
             self.contact.start(self.u[0])
 
     @property

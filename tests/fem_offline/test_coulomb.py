@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,11 +10,16 @@ from palpate.fem_offline.contact import Unilateral, contact_surface
 from palpate.fem_offline.coulomb import Coulomb
 from palpate.fem_offline.organ import boundary_faces
 from palpate.fem_offline.quadratic_space import quadratic_space
-from palpate.fem_offline.tool import Sphere
+from palpate.fem_offline.tool import Pose, Sphere, tilted
 
 R, MU, EPS = 5e-3, 0.4, 4e7
 AHEAD, UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 MOVE = np.array([3e-5, -1e-5, -5e-6])
+TURNED = tilted(UP, 0.3)
+
+
+def move(contact, step):
+    contact.pose = Pose(contact.pose.position + step, contact.pose.rotation)
 
 
 @pytest.fixture(scope="module")
@@ -32,15 +39,15 @@ def dragged(top):
     random = np.random.default_rng(0)
     multiplier = random.uniform(0.0, 2e3, surface.point_shape)
     contact = Coulomb(
-        surface, Sphere(R), EPS, np.array([2e-4, -3e-4, R - 1e-3]), multiplier,
+        surface, Sphere(R), EPS, Pose(np.array([2e-4, -3e-4, R - 1e-3]), TURNED), multiplier,
         friction=MU, tangential_penalty=10 * EPS,
     )  # fmt: skip
     u = 1e-5 * random.standard_normal(nodes.shape)
     contact.start(u)
     contact.commit(u)
-    contact.position = contact.position + 0.05 * MOVE
+    move(contact, 0.05 * MOVE)
     contact.commit(u + 1e-7 * random.standard_normal(nodes.shape))
-    contact.position = contact.position + MOVE
+    move(contact, MOVE)
     # displacements follow the tool in part, so that some points stick
     follow = random.uniform(0.0, 1.0, len(nodes)).round()[:, None] * MOVE
     u = u + follow
@@ -119,7 +126,7 @@ def test_no_friction_is_unilateral_contact(top, dragged):
     contact, u = dragged
     contact.friction = 0.0
     contact.lag(u)
-    plain = Unilateral(contact.surface, contact.tool, EPS, contact.position, contact.multiplier)
+    plain = Unilateral(contact.surface, contact.tool, EPS, contact.pose, contact.multiplier)
     ours, theirs = contact.state(u), plain.state(u)
     assert ours.energy == theirs.energy and (ours.gradient == theirs.gradient).all()
     assert (ours.force == theirs.force).all() and (ours.moment == theirs.moment).all()
@@ -130,12 +137,12 @@ def test_sliding_far_reaches_mu_times_the_pressure_against_the_motion(top):
     nodes, surface = top
     u = np.zeros_like(nodes)
     contact = Coulomb(
-        surface, Sphere(R), EPS, np.array([0.0, 0.0, R - 1e-4]), friction=MU, tangential_penalty=10 * EPS
+        surface, Sphere(R), EPS, Pose.upright((R - 1e-4) * UP), friction=MU, tangential_penalty=10 * EPS
     )
     contact.start(u)
     contact.commit(u)
     for _ in range(20):
-        contact.position = contact.position + 1e-5 * AHEAD
+        move(contact, 1e-5 * AHEAD)
         contact.lag(u)
         contact.anchor(u)
         check = contact.check(u, contact.state(u))
@@ -152,14 +159,12 @@ def test_a_tool_pressed_straight_onto_flat_tissue_rubs_no_point_that_it_just_met
     """The approach is no slip: the anchor of a point is where it touched, not where it was when the step began."""
     nodes, surface = top
     u = np.zeros_like(nodes)
-    contact = Coulomb(
-        surface, Sphere(R), EPS, np.array([0.0, 0.0, R]), friction=MU, tangential_penalty=10 * EPS
-    )
+    contact = Coulomb(surface, Sphere(R), EPS, Pose.upright(R * UP), friction=MU, tangential_penalty=10 * EPS)
     contact.start(u)
-    contact.position = np.array([0.0, 0.0, R - 1e-4])
+    contact.pose = Pose.upright((R - 1e-4) * UP)
     # points follow the tool as far as they touch: straight down
     z = np.minimum(
-        0.0, -np.sqrt(np.maximum(R**2 - (nodes[:, :2] ** 2).sum(axis=1), 0.0)) + contact.position[2]
+        0.0, -np.sqrt(np.maximum(R**2 - (nodes[:, :2] ** 2).sum(axis=1), 0.0)) + contact.pose.position[2]
     )
     u[:, 2] = z
     contact.lag(u)
@@ -187,7 +192,24 @@ def test_open_points_forget(dragged):
     contact, u = dragged
     contact.commit(u)
     assert contact.base.any()
-    contact.position = contact.position + 5e-3 * UP
+    move(contact, 5e-3 * UP)
     contact.multiplier[:] = 0.0
     contact.commit(u)
     assert not contact.base.any() and not contact.reached.any()
+
+
+def test_a_contact_that_turns_with_the_tool_keeps_its_friction(dragged):
+    """Tissue and tool turned together: tractions turn with them."""
+    contact, u = dragged
+    contact.commit(u)
+    before = contact.state(u)
+    Q = tilted(UP, 0.2)
+    turned = contact.surface.points(u) @ Q.T
+    rest = contact.surface.rest
+    contact.surface = replace(contact.surface, rest=turned - (contact.surface.points(u) - rest))
+    contact.pose = Pose(Q @ contact.pose.position, Q @ contact.pose.rotation)
+    contact.anchor(u)
+    contact.lag(u)
+    assert contact.state(u).traction == pytest.approx(
+        before.traction @ Q.T, abs=1e-6 * MU * contact.limit.max()
+    )

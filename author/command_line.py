@@ -289,6 +289,7 @@ def _error_lines(result: dict[str, Any]) -> str:
 def _replay_lines(result: dict[str, Any]) -> str:
     names = (
         "work_in",
+        "organ_work",
         "stored_energy",
         "dissipated_friction",
         "dissipated_rule",

@@ -5,15 +5,17 @@
 A trace is a table with one row for each servo tick, as CSV (a header line, commas) or as NPZ (one array for each name):
 
     column                      unit  needed
-    x, y, z                     m     always: the grip's position in the organ's axes
+    x, y, z                     m     always: the grip's position in the world's axes
     dt                          s     or `time`; s since the last tick
     time                        s     or `dt`; s, rising; the first tick gets the second one's dt
-    qx, qy, qz, qw              -     no; the grip's orientation.  Absent: its axes are the organ's
+    qx, qy, qz, qw              -     no; the grip's orientation.  Absent: its axes are the world's
+    ox, oy, oz                  m     no; the organ's origin.  Absent: the organ's axes are the world's
+    oqx, oqy, oqz, oqw          -     no, with ox, oy, oz; the organ's orientation
     release                     0, 1  no; 1 lets go (a clutch)
 
-In NPZ `position` (n, 3) and `orientation` (n, 4) may stand for x, y, z and qx, qy, qz, qw.  What comes out holds the
-same rows with RESULT_COLUMNS beside them, so that an answer is itself a trace and can be replayed again: that
-reproduces it bit for bit.
+In NPZ `position` (n, 3), `orientation` (n, 4), `organ_position` and `organ_orientation` may stand for their columns.
+What comes out holds the same rows with RESULT_COLUMNS beside them, so that an answer is itself a trace and can be
+replayed again: that reproduces it bit for bit.
 """
 
 from __future__ import annotations
@@ -31,9 +33,17 @@ VECTORS = {"force": "f", "torque": "t", "anchor": "c", "normal": "n"}
 SCALARS = (
     "status", "region", "depth", "normal_force", "stiffness", "friction_stiffness", "friction_coefficient",
     "stored_energy", "spring_energy", "surface_offset", "work_in", "dissipated_friction", "dissipated_rule",
-    "hold_leak",
+    "hold_leak", "organ_work", "injected", "way_cosine",
 )  # fmt: skip
-ENERGIES = ("work_in", "stored_energy", "dissipated_friction", "dissipated_rule", "hold_leak")
+ENERGIES = (
+    "work_in", "organ_work", "injected", "stored_energy", "dissipated_friction", "dissipated_rule", "hold_leak"
+)  # fmt: skip
+WHOLES = {
+    "position": tuple("xyz"),
+    "orientation": ("qx", "qy", "qz", "qw"),
+    "organ_position": ("ox", "oy", "oz"),
+    "organ_orientation": ("oqx", "oqy", "oqz", "oqw"),
+}
 RESULT_COLUMNS = (*(f"{short}{axis}" for short in VECTORS.values() for axis in "xyz"), *SCALARS)
 
 
@@ -53,9 +63,10 @@ def replay(
         force_max: N; the device's limit, 0 for none.
 
     Returns:
-        field, trace, out, ticks, seconds (of the trace), work_in, stored_energy, dissipated_friction,
-        dissipated_rule, hold_leak (J, at the end), balance_error (J; work_in recomputed here from forces and
-        positions, against the accounts), force_max_seen (N), depth_max_seen (m), status (sentence: ticks).
+        field, trace, out, ticks, seconds (of the trace), work_in, organ_work, injected, stored_energy,
+        dissipated_friction, dissipated_rule, hold_leak (J, at the end), balance_error (J; work_in recomputed here
+        from forces and positions, against the accounts), force_max_seen (N), depth_max_seen (m),
+        status (sentence: ticks).
 
     Raises:
         InputError: a file is missing, a column is missing or not finite, or `dt` is not positive.
@@ -74,10 +85,20 @@ def replay(
         raise InputError(
             InputProblem(str(field), "", None, str(error), "an .rfield of this version")
         ) from error
-    orientation = None if "qx" not in table else np.stack([table[f"q{a}"] for a in "xyzw"], axis=1)
-    position = np.stack([table[a] for a in "xyz"], axis=1)
+    wholes = {
+        whole: np.stack([table[name] for name in parts], axis=1) if parts[0] in table else None
+        for whole, parts in WHOLES.items()
+    }
+    position = wholes["position"]
     flags = np.where(table.get("release", np.zeros(len(position))) != 0, 2, 0).astype(np.uint32)
-    r = session.tick_batch(position, table["dt"], orientation, flags)
+    r = session.tick_batch(
+        position,
+        table["dt"],
+        wholes["orientation"],
+        flags,
+        wholes["organ_position"],
+        wholes["organ_orientation"],
+    )
     if out is not None:
         write_trace(out, table | _columns(r))
     return {
@@ -116,15 +137,18 @@ def read_trace(path: Path) -> dict[str, np.ndarray]:
         raise InputError(
             InputProblem(str(path), "", str(error)[:80], what, "CSV with a header, or NPZ")
         ) from error
-    for whole, parts in (("position", "xyz"), ("orientation", ("qx", "qy", "qz", "qw"))):
+    for whole, parts in WHOLES.items():
         if whole in table and table[whole].ndim == 2 and table[whole].shape[1] == len(parts):
             table |= dict(zip(parts, table.pop(whole).T, strict=True))
     table = {name: column for name, column in table.items() if name not in RESULT_COLUMNS}
     problems = [_missing(path, name) for name in "xyz" if name not in table]
     if "dt" not in table and "time" not in table:
         problems.append(_missing(path, "dt"))
-    if "qx" in table:
-        problems += [_missing(path, name) for name in ("qy", "qz", "qw") if name not in table]
+    for parts in list(WHOLES.values())[1:]:
+        if parts[0] in table:
+            problems += [_missing(path, name) for name in parts if name not in table]
+    if "oqx" in table and "ox" not in table:
+        problems.append(_missing(path, "ox"))
     if problems:
         raise InputError(problems)
     if "dt" not in table:
@@ -169,7 +193,7 @@ def _balance_error(r: np.ndarray) -> float:
     work = -float(np.sum(r["force"][:-1] * np.diff(r["reference_point"], axis=0)))
     last = r[-1]
     kept = last["stored_energy"] + last["dissipated_friction"] + last["dissipated_rule"] - last["hold_leak"]
-    return abs(work - float(kept))
+    return abs(work - float(kept - last["organ_work"] - last["injected"]))
 
 
 def _status(status: np.ndarray) -> dict[str, int]:

@@ -14,6 +14,7 @@ import json
 import os
 import tempfile
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +31,7 @@ from palpate.fields.rfield_layout import (
     SECTION_ALIGNMENT,
     SECTIONS,
     VERSION,
+    WAY_LIMIT,
     section_element_size,
 )
 
@@ -64,16 +66,27 @@ def write_rfield(field: ResponseField, path: str | os.PathLike) -> None:
         raise
 
 
-def cook(field: ResponseField) -> bytes:
+def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = ()) -> bytes:
     """The .rfield of `field`.
 
+    Args:
+        field: the response with the tool's axis along the outward normal.
+        tilted: further ways of touching, each the cosine of the angle between tool axis and outward normal, falling
+            from below 1 to 0, and its response: amplitudes (on the same lattice) and offset are its own, all
+            else has to be `field`'s.
+
     Raises:
-        CookError: a number is not finite, a shape does not fit, or the geometry spans more than int16 holds.
+        CookError: a number is not finite, a shape does not fit, the geometry spans more than int16 holds, or a
+            way of touching does not go with the first.
     """
-    _check(field)
+    ways = [field, *(way for _, way in tilted)]
+    cosines = np.array([1.0, *(cosine for cosine, _ in tilted)])
+    for way in ways:
+        _check(way)
+    _check_ways(ways, cosines)
     geometry, amplitudes = field.geometry.signed_distance, field.amplitudes
     counts, scale, bias = _counts(geometry)
-    amplitude_index, rows = _amplitude_rows(amplitudes)
+    amplitude_index, rows = _amplitude_rows([way.amplitudes for way in ways])
     provenance = json.dumps(_plain(field.provenance), sort_keys=True, separators=(",", ":"), allow_nan=False)
     arrays = [
         geometry.block_index.astype("<i4"),
@@ -96,9 +109,9 @@ def cook(field: ResponseField) -> bytes:
         "tool_name": _text(field.tool.name, "tool_name"),
         "tool_shape": _text(field.tool.shape, "tool_shape"),
         "tool_hash": _text(field.tool.hash, "tool_hash"),
-        "tool_offset": field.tool.offset,
+        "tool_offset": max(way.tool.offset for way in ways),
         "depth_max": field.depth_max,
-        "stiffness_max": largest_stiffness(field),
+        "stiffness_max": max(largest_stiffness(way) for way in ways),
         "band": field.geometry.band,
         "geometry_error_p99": field.geometry.error_p99,
         "geometry_flagged_share": field.geometry.flagged_share,
@@ -113,6 +126,9 @@ def cook(field: ResponseField) -> bytes:
         "amplitude_blocks": amplitudes.block_index.shape,
         "amplitude_stored": rows.shape[0],
         "channel_stride": rows.shape[-1],
+        "way_count": len(ways),
+        "way_cosine": np.pad(cosines, (0, WAY_LIMIT - len(ways))),
+        "way_offset": np.pad([way.tool.offset for way in ways], (0, WAY_LIMIT - len(ways))),
     }
     for kind in ("energy", "stiffness", "friction"):
         curves: DepthCurves = getattr(field, f"{kind}_curves")
@@ -160,17 +176,26 @@ def _counts(lattice: Lattice) -> tuple[np.ndarray, float, float]:
     return np.rint((c - bias) / scale).astype("<i2"), scale, bias
 
 
-def _amplitude_rows(lattice: Lattice) -> tuple[np.ndarray, np.ndarray]:
-    """Rows with the zero block first and all-zero blocks dropped; index with 0 for every absent block."""
-    c = lattice.coefficients.astype("<f4")
-    kept = np.flatnonzero(np.any(c != 0, axis=(1, 2, 3, 4)))
-    row_of = np.zeros(lattice.block_count + 1, dtype="<i4")  # the last entry serves absent blocks
-    row_of[kept] = 1 + np.arange(kept.size)
-    index = row_of[np.where(lattice.block_index < 0, lattice.block_count, lattice.block_index)]
-    stride = max(4, -(-lattice.channel_count // 4) * 4)
-    rows = np.zeros((1 + kept.size, 4, 4, 4, stride), dtype="<f4")
-    rows[1:, ..., : lattice.channel_count] = c[kept]
-    return index, rows
+def _amplitude_rows(lattices: Sequence[Lattice]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows (stored, 4, 4, 4, ways, stride) with the zero block first and blocks that are zero in every way dropped;
+    index with 0 for every absent block."""
+    shape = lattices[0].block_index.shape
+    row_of = np.zeros(int(np.prod(shape)), dtype="<i4")
+    for lattice in lattices:  # in the order of each one's rows
+        places = lattice.block_index.ravel()
+        at = np.flatnonzero(places >= 0)
+        at = at[np.argsort(places[at], kind="stable")]
+        at = at[np.any(lattice.coefficients.astype("<f4")[places[at]] != 0, axis=(1, 2, 3, 4))]
+        new = at[row_of[at] == 0]
+        row_of[new] = row_of.max(initial=0) + 1 + np.arange(new.size)
+    channels = lattices[0].channel_count
+    stride = max(4, -(-channels // 4) * 4)
+    rows = np.zeros((1 + row_of.max(initial=0), 4, 4, 4, len(lattices), stride), dtype="<f4")
+    for way, lattice in enumerate(lattices):
+        places = lattice.block_index.ravel()
+        at = np.flatnonzero((row_of > 0) & (places >= 0))
+        rows[row_of[at], :, :, :, way, :channels] = lattice.coefficients[places[at]]
+    return row_of.reshape(shape), rows
 
 
 def _curve_rows(curves: DepthCurves) -> np.ndarray:
@@ -230,3 +255,30 @@ def _check(field: ResponseField) -> None:
         low, high = int(lattice.block_index.min()), int(lattice.block_index.max())
         if low < ABSENT_UNREACHED or high >= lattice.block_count or lattice.block_count == 0:
             raise CookError(f"{name}.block_index", f"{low} to {high}", "", f"-3 to {lattice.block_count - 1}")
+
+
+def _check_ways(ways: Sequence[ResponseField], cosines: np.ndarray) -> None:
+    if len(ways) > WAY_LIMIT:
+        raise CookError("tilted", len(ways) - 1, "ways", f"at most {WAY_LIMIT - 1} beside the first")
+    if not (np.all(np.diff(cosines) < 0) and cosines[-1] >= 0):
+        raise CookError("tilted", cosines.tolist(), "", "cosines have to fall from below 1 to 0")
+    first = ways[0]
+    for i, way in enumerate(ways[1:]):
+        a, b = first.amplitudes, way.amplitudes
+        same = (
+            np.array_equal(a.origin, b.origin)
+            and a.spacing == b.spacing
+            and a.block_index.shape == b.block_index.shape
+            and all(
+                getattr(first, k).depth_end == getattr(way, k).depth_end
+                and np.array_equal(getattr(first, k).coefficients, getattr(way, k).coefficients)
+                for k in ("energy_curves", "stiffness_curves", "friction_curves")
+            )
+            and np.array_equal(
+                first.geometry.signed_distance.coefficients, way.geometry.signed_distance.coefficients
+            )
+        )
+        if not same:
+            raise CookError(
+                f"tilted[{i}]", "another lattice, geometry or curves", "", "those of the first way"
+            )

@@ -4,8 +4,9 @@
 
 File = header | sections, little-endian, each section aligned to 64 bytes, zero bytes in between, nothing after.
 The header begins with magic, version and the layout's hash, and ends with the section table (one row for each
-entry of `SECTIONS`, in order).  The checksum is CRC-32 (zlib) of the whole file with the checksum itself
-taken as zero.
+entry of `SECTIONS`, in order), followed by what versions have added.  A field with several ways of touching (tilts)
+has one block of `channel_stride` amplitudes for each, on the same curves and the same geometry.  The checksum is CRC-32
+(zlib) of the whole file with the checksum itself taken as zero.
 
 `python -m palpate.fields.rfield_layout` prints `runtime_cpp/src/rfield_layout.h`.
 """
@@ -23,20 +24,27 @@ __all__ = [
     "HEADER_DTYPE",
     "LAYOUT_HASH",
     "MAGIC",
+    "OLDER_VERSIONS",
     "SECTIONS",
     "SECTION_ALIGNMENT",
     "VERSION",
+    "WAY_LIMIT",
     "Entry",
     "Section",
     "cpp_header",
 ]
 
 MAGIC = b"PALPRFLD"
-VERSION = 1
+VERSION = 2
+OLDER_VERSIONS = {1: (0xC7F09AB8C07D2981, 680)}
+"""Layout hash and header size of versions whose header is the beginning of this one's: they are still read.  Entries
+that an old header lacks are zero; 0 ways means 1."""
 SECTION_ALIGNMENT = 64
 """Bytes; one cache line, so that a block of 64 int16 is exactly two lines."""
 CHANNEL_LIMIT = 16
-"""Largest number of amplitude channels, padding included; the tick's stack arrays have this size."""
+"""Largest number of amplitude channels of a way, padding included; the tick's stack arrays have this size."""
+WAY_LIMIT = 4
+"""Largest number of ways of touching."""
 
 _NUMPY = {"char": "S1", "u32": "<u4", "i32": "<i4", "u64": "<u8", "f64": "<f8", "i16": "<i2", "f32": "<f4"}
 _CPP = {"char": "char", "u32": "std::uint32_t", "i32": "std::int32_t", "u64": "std::uint64_t",
@@ -69,7 +77,7 @@ SECTIONS = (
     Section("geometry_coefficients", "i16", "geometry_stored, 4, 4, 4",
             "phi coefficient = geometry_bias + geometry_scale * value"),
     Section("amplitude_index", "i32", "amplitude_blocks", "block row; 0 (the zero block) where nothing is stored"),
-    Section("amplitude_coefficients", "f32", "amplitude_stored, 4, 4, 4, channel_stride",
+    Section("amplitude_coefficients", "f32", "amplitude_stored, 4, 4, 4, way_count, channel_stride",
             "row 0 is all zero; channels a_r, b_r, m_r, then zero padding"),
     Section("energy_curves", "f64", "energy_intervals + 1, energy_curve_count, 4",
             "c0..c3 by interval [J/m^j]; the last row continues beyond depth_end with c3 = 0"),
@@ -90,7 +98,7 @@ HEADER = (
     Entry("tool_shape", "char", 32, "", "NUL-terminated UTF-8"),
     Entry("tool_hash", "char", 80, "", "NUL-terminated hex digest"),
     Entry("field_hash", "char", 80, "", "NUL-terminated sha256 of every section before provenance"),
-    Entry("tool_offset", "f64", 1, "m", "rho: depth = rho - phi(q)"),
+    Entry("tool_offset", "f64", 1, "m", "rho: depth = rho - phi(q); the largest of the ways'"),
     Entry("depth_max", "f64", 1, "m", "deepest press; beyond it the curves continue and the status says so"),
     Entry(
         "stiffness_max",
@@ -112,7 +120,7 @@ HEADER = (
     Entry("amplitude_spacing", "f64", 1, "m", ""),
     Entry("amplitude_blocks", "u32", 3, "", "blocks along x, y, z"),
     Entry("amplitude_stored", "u32", 1, "", "stored blocks, the zero block included"),
-    Entry("channel_stride", "u32", 1, "", "floats from one coefficient to the next; a multiple of 4"),
+    Entry("channel_stride", "u32", 1, "", "floats from one way to the next; a multiple of 4"),
     Entry("energy_curve_count", "u32", 1, "", ""),
     Entry("stiffness_curve_count", "u32", 1, "", ""),
     Entry("friction_curve_count", "u32", 1, "", ""),
@@ -126,6 +134,16 @@ HEADER = (
     Entry("section_offset", "u64", len(SECTIONS), "byte", "from the start of the file"),
     Entry("section_elements", "u64", len(SECTIONS), "", "elements in the section"),
     Entry("section_element_size", "u32", len(SECTIONS), "byte", ""),
+    Entry("way_count", "u32", 1, "", "ways of touching, 1 to WAY_LIMIT; since version 2, as all below"),
+    Entry("reserved_2", "u32", 1, "", "zero"),
+    Entry(
+        "way_cosine",
+        "f64",
+        WAY_LIMIT,
+        "",
+        "of tool axis and outward normal, falling from way to way; then zeros",
+    ),
+    Entry("way_offset", "f64", WAY_LIMIT, "m", "rho of each way; then zeros"),
 )
 
 
@@ -169,9 +187,20 @@ def cpp_header() -> str:
         f'constexpr char rfield_magic[9] = "{MAGIC.decode()}";',
         f"constexpr std::uint32_t rfield_version = {VERSION};",
         f"constexpr std::uint64_t rfield_layout_hash = 0x{LAYOUT_HASH:016x}u;",
+        f"constexpr std::uint32_t rfield_way_limit = {WAY_LIMIT};",
         f"constexpr std::uint64_t rfield_section_alignment = {SECTION_ALIGNMENT};",
         f"constexpr std::uint32_t rfield_channel_limit = {CHANNEL_LIMIT};",
         f"constexpr std::uint32_t rfield_section_count = {len(SECTIONS)};",
+        "",
+        "// Older versions that are read: their header is the beginning of this one.",
+        "struct rfield_older_version {",
+        "    std::uint32_t version;",
+        "    std::uint64_t layout_hash;",
+        "    std::uint32_t header_size;",
+        "};",
+        "constexpr rfield_older_version rfield_older_versions[] = {",
+        *(f"    {{{v}, 0x{h:016x}u, {size}}}," for v, (h, size) in OLDER_VERSIONS.items()),
+        "};",
         "",
         "enum rfield_section : std::uint32_t {",
     ]

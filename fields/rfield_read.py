@@ -24,7 +24,7 @@ from palpate.fields.response_field import (
     ResponseNodes,
     ToolReference,
 )
-from palpate.fields.rfield_layout import HEADER_DTYPE, LAYOUT_HASH, MAGIC, SECTIONS, VERSION
+from palpate.fields.rfield_layout import HEADER_DTYPE, LAYOUT_HASH, MAGIC, OLDER_VERSIONS, SECTIONS, VERSION
 
 __all__ = ["RFieldError", "read_header", "read_rfield"]
 
@@ -42,28 +42,33 @@ def read_header(source: bytes | str | os.PathLike) -> np.ndarray:
         RFieldError: truncated, not an .rfield, another version or layout, or damaged.
     """
     data = source if isinstance(source, bytes) else Path(source).read_bytes()
-    if len(data) < HEADER_DTYPE.itemsize:
-        raise RFieldError(f"{len(data)} bytes: shorter than the header of {HEADER_DTYPE.itemsize}")
-    header = np.frombuffer(data, dtype=HEADER_DTYPE, count=1)[0]
+    known = {VERSION: (LAYOUT_HASH, HEADER_DTYPE.itemsize), **OLDER_VERSIONS}
+    shortest = min(size for _, size in known.values())
+    if len(data) < shortest:
+        raise RFieldError(f"{len(data)} bytes: shorter than the header of {shortest}")
+    begin = data[: HEADER_DTYPE.itemsize].ljust(HEADER_DTYPE.itemsize, b"\0")
+    header = np.frombuffer(begin, dtype=HEADER_DTYPE, count=1)[0].copy()
     if header["magic"] != MAGIC:
         raise RFieldError("not an .rfield: the first bytes are not PALPRFLD")
-    if header["version"] != VERSION or header["layout_hash"] != LAYOUT_HASH:
-        raise RFieldError(
-            f"layout version {header['version']}; this palpate reads version {VERSION}: cook it again"
-        )
+    version = int(header["version"])
+    if (int(header["layout_hash"]), int(header["header_size"])) != known.get(version):
+        raise RFieldError(f"layout version {version}; this palpate reads version {VERSION}: cook it again")
+    size = int(header["header_size"])
     if header["file_size"] != len(data):
         raise RFieldError(
             f"{len(data)} bytes where the header says {header['file_size']}: truncated or appended to"
         )
     blank = header.copy()
     blank["checksum"] = 0
-    if zlib.crc32(data[HEADER_DTYPE.itemsize :], zlib.crc32(blank.tobytes())) != header["checksum"]:
+    if zlib.crc32(data[size:], zlib.crc32(blank.tobytes()[:size])) != header["checksum"]:
         raise RFieldError("the checksum does not fit: the file is damaged")
+    if version == 1:
+        header["way_count"], header["way_cosine"][0], header["way_offset"][0] = 1, 1.0, header["tool_offset"]
     return header
 
 
-def read_rfield(source: bytes | str | os.PathLike) -> ResponseField:
-    """The cooked field with empty `nodes`; see `read_header` for errors."""
+def read_rfield(source: bytes | str | os.PathLike, way: int = 0) -> ResponseField:
+    """The cooked field of one way of touching, with empty `nodes`; see `read_header` for errors."""
     data = source if isinstance(source, bytes) else Path(source).read_bytes()
     h = read_header(data)
     arrays = {}
@@ -73,7 +78,10 @@ def read_rfield(source: bytes | str | os.PathLike) -> ResponseField:
         )
     phi = h["geometry_bias"] + h["geometry_scale"] * arrays["geometry_coefficients"].astype(float)
     channels = sum(int(h[f"{k}_curve_count"]) for k in ("energy", "stiffness", "friction"))
-    rows = arrays["amplitude_coefficients"].astype(float).reshape(-1, 4, 4, 4, int(h["channel_stride"]))
+    if not 0 <= way < int(h["way_count"]):
+        raise RFieldError(f"way {way} of {h['way_count']}")
+    stored = arrays["amplitude_coefficients"].astype(float)
+    rows = stored.reshape(-1, 4, 4, 4, int(h["way_count"]), int(h["channel_stride"]))[..., way, :]
     row_of = arrays["amplitude_index"].reshape(h["amplitude_blocks"])
     curves = {}
     for k in ("energy", "stiffness", "friction"):
@@ -81,7 +89,7 @@ def read_rfield(source: bytes | str | os.PathLike) -> ResponseField:
         curves[k] = DepthCurves(float(h[f"{k}_depth_end"]), np.swapaxes(c[:-1], 0, 1).copy())
     empty = np.zeros((0, 0))
     return ResponseField(
-        tool=ToolReference(h["tool_name"].decode(), h["tool_shape"].decode(), float(h["tool_offset"]), {},
+        tool=ToolReference(h["tool_name"].decode(), h["tool_shape"].decode(), float(h["way_offset"][way]), {},
                            h["tool_hash"].decode()),
         geometry=ContactGeometry(
             Lattice(h["geometry_origin"].copy(), float(h["geometry_spacing"]),

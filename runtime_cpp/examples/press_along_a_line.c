@@ -23,7 +23,10 @@ int main(int argc, char** argv) {
     void* memory = malloc(palpate_session_size());
     if (palpate_session_init(memory, palpate_session_size(), field, NULL, &session) != PALPATE_OK) return 3;
 
-    palpate_tool_state state = {sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}};
+    palpate_tool_state state = {0};
+    state.size = sizeof state;
+    state.flags = PALPATE_INPUT_POSITION_ONLY;
+    state.dt = 1e-3;
     palpate_tool_response response = {0};
     response.size = sizeof response;
     for (int tick = 0; tick <= 1000; ++tick) {

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     double p[3] = {0, 0, info.box_max[2] - 1e-3}, v[3] = {0, 0, 0};  // m, m/s
     const double mass = 0.2, damping = 4.0, dt = 1e-3;               // kg, N s/m, s
     for (int tick = 0; tick < 3000; ++tick) {
-        palpate_tool_state tool{sizeof tool, 0, dt, {p[0], p[1], p[2]}, {0, 0, 0, 1}};  // getPosition, getRotation
+        palpate_tool_state tool{sizeof tool, 0, dt, {p[0], p[1], p[2]}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};  // getPosition, getRotation
         palpate_tool_response feel{};
         feel.size = sizeof feel;
         palpate_tick(session, &tool, &feel);  // feel.force, feel.torque: setForceAndTorque

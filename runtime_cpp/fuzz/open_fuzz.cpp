@@ -25,7 +25,7 @@ void exercise(const palpate_field* field) {
     std::vector<std::uint64_t> memory((palpate_session_size() + 7) / 8);
     palpate_session* session = nullptr;
     require(palpate_session_init(memory.data(), memory.size() * 8, field, nullptr, &session) == PALPATE_OK);
-    palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}};
+    palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
     palpate_tool_response response{};
     response.size = sizeof response;
     std::uint32_t random = 1;
@@ -53,9 +53,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         rfield_header h;
         std::memcpy(&h, bytes.data(), sizeof h);
         std::memcpy(h.magic, rfield_magic, sizeof h.magic);
-        h.version = rfield_version;
-        h.header_size = sizeof h;
-        h.layout_hash = rfield_layout_hash;
+        const bool older = h.version % 2 == 1;  // both layouts
+        h.version = older ? rfield_older_versions[0].version : rfield_version;
+        h.header_size = older ? rfield_older_versions[0].header_size : static_cast<std::uint32_t>(sizeof h);
+        h.layout_hash = older ? rfield_older_versions[0].layout_hash : rfield_layout_hash;
         h.section_count = rfield_section_count;
         h.file_size = size;
         h.checksum = 0;

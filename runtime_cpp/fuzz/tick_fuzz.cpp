@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any bytes as a trace on the field named by the environment variable PALPATE_FUZZ_FIELD.  Laws: answers are finite,
 // the energy accounts balance with the work recomputed outside, dissipation never falls, limits are kept; with every
-// adhesion function, device limits, and changes to a field three times as stiff.
+// adhesion function, device limits, axial responses, changes to a field three times as stiff, tilts (on a field with several ways
+// of touching) and a moving organ.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -73,9 +74,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     config.adhesion = 1u + choices % 4u;
     config.force_max = (choices & 4u) != 0 ? 0.05 : 0.0;
     config.passivity_control = choices >> 3 & 1u;
+    config.response = (choices & 16u) != 0 ? 1u + (choices >> 5 & 1u) : 0u;
     require(palpate_session_init(memory.data(), memory.size() * 8, field, &config, &session) == PALPATE_OK);
 
-    palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}};
+    palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
     for (int a = 0; a < 3; ++a) state.position[a] = 0.5 * (info.box_min[a] + info.box_max[a]);
     palpate_tool_response before{}, now{};
     now.size = sizeof now;
@@ -87,7 +89,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const palpate_tool_state last = state;
         state.dt = 1e-3;
         state.flags = PALPATE_INPUT_POSITION_ONLY;
-        if (kind < 250) {  // 20 um, 160 um or 2.6 mm a count
+        if (kind < 8) {  // the organ moves by up to 2.5 mm and turns by up to 0.13 rad; with kind < 4 the tool turns
+            double* turned = kind < 4 ? state.orientation : state.organ_orientation;
+            state.flags = kind < 4 ? 0u : PALPATE_INPUT_POSITION_ONLY | PALPATE_INPUT_ORGAN_POSE;
+            for (int a = 0; a < 3; ++a) {
+                turned[a] = 1e-3 * static_cast<std::int8_t>(data[i + static_cast<std::size_t>(a)]) * (kind < 4 ? 7.0 : 0.5);
+                if (kind >= 4) state.organ_position[a] = 2e-5 * static_cast<std::int8_t>(data[i + 3 + static_cast<std::size_t>(a)]);
+            }
+            i += 6;
+            const double rest = 1.0 - turned[0] * turned[0] - turned[1] * turned[1] - turned[2] * turned[2];
+            turned[3] = rest > 0.0 ? std::sqrt(rest) : 0.0;
+        } else if (kind < 250) {  // 20 um, 160 um or 2.6 mm a count
             const double scale = kind < 200 ? 2e-5 : kind < 240 ? 1.6e-4 : 2.6e-3;
             for (int a = 0; a < 3; ++a) state.position[a] += scale * static_cast<std::int8_t>(data[i++]);
         } else if (kind < 253) {
@@ -122,7 +134,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
         const double rounding = 1e-12 * (1.0 + moved);
         require(std::fabs(now.work_in - work) <= rounding);
-        require(std::fabs(now.work_in + now.hold_leak - now.stored_energy - now.dissipated_friction - now.dissipated_rule) <= rounding);
+        require(std::fabs(now.work_in + now.organ_work + now.injected + now.hold_leak - now.stored_energy - now.dissipated_friction -
+                          now.dissipated_rule) <= rounding);
+        require(config.response == PALPATE_RESPONSE_AXIAL_UNGUARDED || now.injected == 0.0);
         require(now.dissipated_friction >= before.dissipated_friction - rounding);
         require(now.dissipated_rule >= before.dissipated_rule);
     }

@@ -6,13 +6,14 @@
     session = Session(field)
     response = session.tick([0, 0, 0.05], dt=1e-3)
 
-Units are SI, axes the organ's own; `palpate.h` (see `include_folder`) is the manual.
+Units are SI, axes the organ's own while it has no pose; `palpate.h` (see `include_folder`) is the manual.
 """
 
 from palpate.runtime.bench import bench
 from palpate.runtime.field import Field, FieldInfo
-from palpate.runtime.layout import Adhesion, Region, Tick
+from palpate.runtime.layout import Adhesion, Region, Response, Tick
 from palpate.runtime.library import RuntimeFailure, cmake_folder, include_folder, version
+from palpate.runtime.organ import Organ
 from palpate.runtime.session import Config, Session
 
 __all__ = [
@@ -20,7 +21,9 @@ __all__ = [
     "Config",
     "Field",
     "FieldInfo",
+    "Organ",
     "Region",
+    "Response",
     "RuntimeFailure",
     "Session",
     "Tick",

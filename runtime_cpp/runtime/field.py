@@ -40,6 +40,9 @@ class FieldInfo:
     geometry_blocks_stored: int
     amplitude_blocks_stored: int
     channel_count: int
+    way_count: int
+    way_cosine: np.ndarray
+    way_offset: np.ndarray
     bytes: int
     provenance: dict[str, Any]
 
@@ -87,14 +90,17 @@ class Field:
             values[name] = ctypes.string_at(values[name]).decode(errors="replace")
         text = ctypes.string_at(values["provenance"], values.pop("provenance_size")).decode()
         values["provenance"] = json.loads(text) if text else {}
-        del values["size"]
+        del values["size"], values["reserved"]
+        for name in ("way_cosine", "way_offset"):
+            values[name] = values[name][: values["way_count"]]
         return FieldInfo(**values)
 
-    def sample(self, points: np.ndarray) -> np.ndarray:
+    def sample(self, points: np.ndarray, cosine: float = 1.0) -> np.ndarray:
         """The field at reference points, without friction's history.
 
         Args:
             points: (n, 3) m, organ axes.
+            cosine: of the angle between tool axis and outward normal; matters to fields with several ways of touching.
 
         Returns:
             (n,) structured array (`layout.SAMPLE`): region, depth m, normal, distance_gradient, stored_energy J,
@@ -103,5 +109,9 @@ class Field:
         q = np.ascontiguousarray(np.reshape(points, (-1, 3)), dtype=np.float64)
         samples = np.zeros(len(q), dtype=SAMPLE)
         samples["size"] = SAMPLE.itemsize
-        check(library().palpate_field_sample(self.handle, q.ctypes.data, len(q), samples.ctypes.data))
+        check(
+            library().palpate_field_sample_tilted(
+                self.handle, q.ctypes.data, cosine, len(q), samples.ctypes.data
+            )
+        )
         return samples

@@ -18,10 +18,11 @@ __all__ = [
     "Adhesion",
     "Input",
     "Region",
+    "Response",
     "Tick",
 ]
 
-ABI_VERSION = 2
+ABI_VERSION = 3
 
 
 class Region(IntEnum):
@@ -44,11 +45,20 @@ class Adhesion(IntEnum):
     DAHL = 4
 
 
+class Response(IntEnum):
+    """palpate_response_kind: what is felt along the surface."""
+
+    POTENTIAL = 0
+    AXIAL = 1
+    AXIAL_UNGUARDED = 2
+
+
 class Input(IntFlag):
     """PALPATE_INPUT_ flags."""
 
     POSITION_ONLY = 1
     RELEASE = 2
+    ORGAN_POSE = 4
 
 
 class Tick(IntFlag):
@@ -67,7 +77,8 @@ class Tick(IntFlag):
     BAD_ARGUMENT = 1024
     FORCE_LIMITED = 2048
     LEAK_COVERED = 4096
-    FELT = EXTRAPOLATED | SLIPPING | FORCE_LIMITED | LEAK_COVERED
+    RULE_YIELDED = 8192
+    FELT = EXTRAPOLATED | SLIPPING | FORCE_LIMITED | LEAK_COVERED | RULE_YIELDED
 
 
 FIELD_INFO = np.dtype(
@@ -93,6 +104,10 @@ FIELD_INFO = np.dtype(
         ("geometry_flagged_share", "<f8"),
         ("geometry_blocks_stored", "<u8"),
         ("amplitude_blocks_stored", "<u8"),
+        ("way_count", "<u4"),
+        ("reserved", "<u4"),
+        ("way_cosine", "<f8", (4,)),
+        ("way_offset", "<f8", (4,)),  # m
     ]
 )
 
@@ -123,7 +138,8 @@ CONFIG = np.dtype(
         ("adhesion_start", "<f8"),
         ("force_max", "<f8"),  # N
         ("passivity_control", "<u4"),
-        ("reserved", "<u4"),
+        ("response", "<u4"),
+        ("tool_axis", "<f8", (3,)),
     ]
 )
 
@@ -134,6 +150,8 @@ STATE = np.dtype(
         ("dt", "<f8"),  # s
         ("position", "<f8", (3,)),  # m
         ("orientation", "<f8", (4,)),  # x y z w
+        ("organ_position", "<f8", (3,)),  # m
+        ("organ_orientation", "<f8", (4,)),  # x y z w
     ]
 )
 
@@ -160,5 +178,8 @@ RESPONSE = np.dtype(
         ("dissipated_friction", "<f8"),  # J
         ("dissipated_rule", "<f8"),  # J
         ("hold_leak", "<f8"),  # J
+        ("organ_work", "<f8"),  # J
+        ("injected", "<f8"),  # J
+        ("way_cosine", "<f8"),
     ]
 )

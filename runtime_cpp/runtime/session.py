@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from palpate.runtime.field import Field
-from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Adhesion, Input
+from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Adhesion, Input, Response
 from palpate.runtime.library import check, library
+from palpate.runtime.organ import Organ
 
 __all__ = ["Config", "Session"]
 
@@ -30,6 +31,8 @@ class Config:
         adhesion_start: 0 to 0.999; of SMOOTH and PROPORTIONAL, as a fraction of the limit.
         force_max: N; the device's limit, to which the surface yields; 0: none.
         passivity_control: the surface yields by what holding the force has given and nothing has dissipated.
+        response: what is felt along the surface.
+        tool_axis: (3,), unit, in the grip's frame: out of the tissue; read by fields with several ways of touching.
     """
 
     reference_point: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -40,6 +43,8 @@ class Config:
     adhesion_start: float = 0.5
     force_max: float = 0.0
     passivity_control: bool = False
+    response: Response = Response.POTENTIAL
+    tool_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
 
 class Session:
@@ -53,6 +58,7 @@ class Session:
         config = config or Config()
         self.field = field
         self._fields = [field]  # all stay open: a tick may still move in an earlier one
+        self._organ: Organ | None = None
         self._memory = np.zeros(-(-library().palpate_session_size() // 8), dtype=np.float64)
         raw = np.zeros((), dtype=CONFIG)
         raw["size"] = CONFIG.itemsize
@@ -60,7 +66,10 @@ class Session:
         raw["friction_coefficient"] = (
             -1.0 if config.friction_coefficient is None else config.friction_coefficient
         )
-        for name in ("speed_max", "dt_max", "adhesion", "adhesion_start", "force_max", "passivity_control"):
+        for name in (
+            "speed_max", "dt_max", "adhesion", "adhesion_start", "force_max", "passivity_control", "response",
+            "tool_axis",
+        ):  # fmt: skip
             raw[name] = getattr(config, name)
         handle = ctypes.c_void_p()
         memory, init = self._memory, library().palpate_session_init
@@ -78,10 +87,15 @@ class Session:
         self.field = field
         self._fields.append(field)
 
+    def set_organ(self, organ: Organ | None) -> None:
+        """From the next tick on the organ is where `organ` is; None: it stays where it is."""
+        check(library().palpate_session_set_organ(self._handle, organ.handle if organ else None))
+        self._organ = organ
+
     def snapshot(self) -> Session:
         """A copy with the same state; both go on independently."""
         copy = object.__new__(Session)
-        copy.field, copy._fields = self.field, list(self._fields)
+        copy.field, copy._fields, copy._organ = self.field, list(self._fields), self._organ
         copy._memory = np.zeros_like(self._memory)
         handle = ctypes.c_void_p()
         memory = copy._memory
@@ -106,14 +120,18 @@ class Session:
         dt: ArrayLike = 1e-3,
         orientations: ArrayLike | None = None,
         flags: ArrayLike = 0,
+        organ_positions: ArrayLike | None = None,
+        organ_orientations: ArrayLike | None = None,
     ) -> np.ndarray:
         """A trace of ticks.
 
         Args:
             positions: (n, 3) m; the grip.  Or (n,) structured `layout.STATE`, which then holds all the rest.
             dt: s; scalar or (n,).
-            orientations: (n, 4) x y z w; None: the grip's axes are the organ's.
+            orientations: (n, 4) x y z w; None: the grip's axes are the world's.
             flags: `layout.Input`; scalar or (n,).
+            organ_positions: (n, 3) m or (3,), of the organ's origin; None: the organ stays where it is.
+            organ_orientations: (n, 4) or (4,) x y z w, with `organ_positions`; None: its axes are the world's.
 
         Returns:
             (n,) structured array (`layout.RESPONSE`), one for each tick.  Bad input is not an error: see `status`.
@@ -129,6 +147,12 @@ class Session:
                 states["flags"] |= np.uint32(Input.POSITION_ONLY)
             else:
                 states["orientation"] = orientations
+            if organ_positions is not None:
+                states["flags"] |= np.uint32(Input.ORGAN_POSE)
+                states["organ_position"] = organ_positions
+                states["organ_orientation"] = (
+                    (0, 0, 0, 1) if organ_orientations is None else organ_orientations
+                )
         states["size"] = STATE.itemsize
         responses = np.zeros(len(states), dtype=RESPONSE)
         responses["size"] = RESPONSE.itemsize

@@ -31,6 +31,10 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_field_info, geometry_flagged_share),
     PALPATE_ROW(palpate_field_info, geometry_blocks_stored),
     PALPATE_ROW(palpate_field_info, amplitude_blocks_stored),
+    PALPATE_ROW(palpate_field_info, way_count),
+    PALPATE_ROW(palpate_field_info, reserved),
+    PALPATE_ROW(palpate_field_info, way_cosine),
+    PALPATE_ROW(palpate_field_info, way_offset),
     PALPATE_SIZE(palpate_sample),
     PALPATE_ROW(palpate_sample, size),
     PALPATE_ROW(palpate_sample, region),
@@ -53,13 +57,16 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_config, adhesion_start),
     PALPATE_ROW(palpate_config, force_max),
     PALPATE_ROW(palpate_config, passivity_control),
-    PALPATE_ROW(palpate_config, reserved),
+    PALPATE_ROW(palpate_config, response),
+    PALPATE_ROW(palpate_config, tool_axis),
     PALPATE_SIZE(palpate_tool_state),
     PALPATE_ROW(palpate_tool_state, size),
     PALPATE_ROW(palpate_tool_state, flags),
     PALPATE_ROW(palpate_tool_state, dt),
     PALPATE_ROW(palpate_tool_state, position),
     PALPATE_ROW(palpate_tool_state, orientation),
+    PALPATE_ROW(palpate_tool_state, organ_position),
+    PALPATE_ROW(palpate_tool_state, organ_orientation),
     PALPATE_SIZE(palpate_tool_response),
     PALPATE_ROW(palpate_tool_response, size),
     PALPATE_ROW(palpate_tool_response, status),
@@ -82,6 +89,9 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_tool_response, dissipated_friction),
     PALPATE_ROW(palpate_tool_response, dissipated_rule),
     PALPATE_ROW(palpate_tool_response, hold_leak),
+    PALPATE_ROW(palpate_tool_response, organ_work),
+    PALPATE_ROW(palpate_tool_response, injected),
+    PALPATE_ROW(palpate_tool_response, way_cosine),
 };
 
 }  // namespace
@@ -125,6 +135,7 @@ const char* palpate_tick_text(uint32_t tick_status) noexcept {
         case PALPATE_TICK_RELEASED: return "The host asked to let go: contact comes back from outside.";
         case PALPATE_TICK_FORCE_LIMITED: return "The surface yielded: the device gives no more force.";
         case PALPATE_TICK_LEAK_COVERED: return "The surface yielded by what holding the force had given.";
+        case PALPATE_TICK_RULE_YIELDED: return "The surface yields: the way of touching changed to one that would hold more energy.";
         case PALPATE_TICK_BAD_ARGUMENT: return "A pointer is null or a struct is too small.";
         default: return "This status bit is unknown to this version.";
     }

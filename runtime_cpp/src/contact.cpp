@@ -5,13 +5,15 @@
 //   force_max    o grows until |f| <= force_max.  Clipping the force instead would keep the energy and give it back later.
 //   passivity    o grows by excess / (dU/dd) when the hold has given more than has been dissipated since.  U is convex in d
 //                where tissue stiffens, so that this never takes more than the excess; the rest follows in the next ticks.
-//   next_field   o grows until U of the new field is not above U of the old one at the same place.
+//   rule.h       o is as large as a changed field, way of touching or (axial) contact point needs.
 // The surface comes back with the tool: o <= d, where U = 0 anyway.
 #include "contact.h"
 
 #include <cmath>
 
 #include "respond.h"
+#include "rule.h"
+#include "touch.h"
 #include "vec.h"
 
 namespace palpate {
@@ -35,14 +37,6 @@ bool unit(const double v[3], double n[3]) noexcept {
     for (int a = 0; a < 3; ++a) n[a] = v[a] * scale;
     return true;
 }
-
-// The tissue under the tool, before friction: everything that does not change when the offset does.
-struct tissue {
-    const palpate_field* field;
-    const location* at;
-    double normal[3];
-    amplitude_sums amplitudes;
-};
 
 // What friction makes of a response.
 struct outcome {
@@ -68,7 +62,7 @@ void settle(const palpate_config& config, const tissue& under, const response& r
 void limit_force(const palpate_config& config, const tissue& under, const double step[3], const friction_spring& before,
                  double& offset, response& r, outcome& o) noexcept {
     const auto excess = [&config](const double f[3]) { return std::sqrt(dot(f, f)) - config.force_max; };
-    double strong = offset, weak = under.at->depth;
+    double strong = offset, weak = under.depth;
     double strong_excess = excess(o.force), weak_excess = -config.force_max;
     bool found = false;
     int side = 0;
@@ -77,7 +71,7 @@ void limit_force(const palpate_config& config, const tissue& under, const double
         const double share = i < search_limit / 2 ? strong_excess / (strong_excess - weak_excess) : 0.5;
         const double tried = strong + share * (weak - strong);
         response rt;
-        respond_again(*under.field, under.amplitudes, under.at->depth - tried, under.at->gradient, rt);
+        respond_at(under, tried, rt);
         outcome ot;
         ot.spring = before;
         settle(config, under, rt, step, ot);
@@ -100,10 +94,10 @@ void limit_force(const palpate_config& config, const tissue& under, const double
     }
     offset = weak;
     if (!found) {
-        respond_again(*under.field, under.amplitudes, 0.0, under.at->gradient, r);
+        offset = under.depth;
+        respond_at(under, offset, r);
         o.spring = before;
         settle(config, under, r, step, o);
-        offset = under.at->depth;
     }
 }
 
@@ -124,7 +118,7 @@ void feel(palpate_session& s, const motion& m, const tissue& under, response& r,
     const double stretched = spring_energy(o.spring);
     s.books.dissipated_friction += held - stretched;
     if (o.slipped) status |= PALPATE_TICK_SLIPPING;
-    if (under.at->depth - offset > under.field->depth_max) status |= PALPATE_TICK_EXTRAPOLATED;
+    if (under.depth - offset > under.field->depth_max) status |= PALPATE_TICK_EXTRAPOLATED;
 
     s.touching = true;
     s.energy = r.energy;
@@ -176,9 +170,10 @@ void lift_off(palpate_session& s, double work, const double step[3]) noexcept {
 
 // What needs the normal alone is done before the response, so that the processor can do both at once.
 bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
+    const bool plain = s.field->way_count == 1 && s.config.response == PALPATE_RESPONSE_POTENTIAL;
     tissue under;
     under.field = s.field;
-    under.at = &at;
+    under.distance_gradient = at.gradient;
     friction_spring spring = s.spring;
     for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
     const bool has_normal = unit(at.gradient, under.normal);
@@ -191,9 +186,15 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     const double held = spring_energy(spring);
     if (has_normal && !turned_over) turn(spring, under.normal);
 
-    double offset = s.offset < at.depth ? s.offset : at.depth;
-    response r;
-    respond(*s.field, m.q, at.depth - offset, at.gradient, r, under.amplitudes);
+    response r;  // at the new place, as it was touched
+    double offset;
+    if (plain) {
+        under.depth = at.depth;
+        offset = s.offset < at.depth ? s.offset : at.depth;
+        respond(*s.field, m.q, at.depth - offset, at.gradient, r, under.amplitudes);
+    } else {
+        offset = touch_as_before(s, m, at, under, r);
+    }
     if (s.entry == gate::zero_energy && r.energy == 0.0) s.entry = gate::open;
     if (s.entry != gate::open) {
         if ((status & zero_force_bits) == 0) status |= PALPATE_TICK_WAITING;
@@ -205,15 +206,16 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
         return false;
     }
     hold(s.books, m.work, s.energy + spring_energy(s.spring), r.energy + held);
+    if (!plain) change_touch(s, under, offset, r, status);
 
     if (s.config.passivity_control != 0) {
         const double excess = s.books.hold_leak - s.books.dissipated_friction - s.books.dissipated_rule;
         if (excess > 0.0 && r.steepness > 0.0) {
-            const double room = at.depth - offset;
+            const double room = under.depth - offset;
             const double more = excess / r.steepness;
             const double tried = offset + (more < room ? more : room);
             response weaker;
-            respond_again(*s.field, under.amplitudes, at.depth - tried, at.gradient, weaker);
+            respond_at(under, tried, weaker);
             if (weaker.energy < r.energy) {
                 s.books.dissipated_rule += r.energy - weaker.energy;
                 r = weaker;
@@ -230,7 +232,8 @@ bool change_field_in_contact(palpate_session& s, const motion& m, const location
                              palpate_tool_response& out) noexcept {
     tissue under;
     under.field = s.next_field;
-    under.at = &at;
+    under.distance_gradient = at.gradient;
+    under.depth = at.depth;
     friction_spring spring = s.spring;
     for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
     const bool has_normal = unit(at.gradient, under.normal);
@@ -239,25 +242,9 @@ bool change_field_in_contact(palpate_session& s, const motion& m, const location
         return false;
     }
     if (has_normal) turn(spring, under.normal);
+    touch(s, m, under);
     response r;
-    respond(*under.field, m.q, at.depth, at.gradient, r, under.amplitudes);
-    double offset = 0.0;
-    if (r.energy > s.energy) {
-        double strong = 0.0, weak = at.depth;
-        respond_again(*under.field, under.amplitudes, 0.0, at.gradient, r);  // no energy
-        for (int i = 0; i < search_limit; ++i) {
-            const double tried = 0.5 * (strong + weak);
-            response rt;
-            respond_again(*under.field, under.amplitudes, at.depth - tried, at.gradient, rt);
-            if (rt.energy > s.energy) {
-                strong = tried;
-            } else {
-                weak = tried;
-                r = rt;
-            }
-        }
-        offset = weak;
-    }
+    const double offset = offset_for(under, s.energy, 0.0, r);
     s.books.dissipated_rule += s.energy - r.energy;
     feel(s, m, under, r, spring, offset, status, out);
     return true;

@@ -14,6 +14,10 @@ struct motion {
     double step[3];  // m; from the last tick's; 0 when that is not known
     double arm[3];   // m; from the grip to q
     double work;     // J; by the hand, - f . step
+    double axis[3];  // the tool's; read by fields with several ways of touching
+    double cosine;   // of axis and normal: the way of touching at q
+    // The location's depth is that of the larger rho of the way that was and the way that is; these are what each lacks, m.
+    double shift_before, shift;
 };
 
 // Contact at m.q; fills `out`.  False (with a status bit) where it cannot be: the caller ends it.

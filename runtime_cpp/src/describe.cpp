@@ -6,12 +6,13 @@
 #include "locate.h"
 #include "palpate/palpate.h"
 #include "respond.h"
+#include "ways.h"
 
 extern "C" {
 
 palpate_status palpate_field_describe(const palpate_field* field, palpate_field_info* info) noexcept {
     if (field == nullptr || info == nullptr || info->size < sizeof(palpate_field_info)) return PALPATE_BAD_ARGUMENT;
-    const palpate::rfield_header& h = *field->header;
+    const palpate::rfield_header& h = field->header;
     info->channel_count = h.energy_curve_count + h.stiffness_curve_count + h.friction_curve_count;
     info->tool_name = h.tool_name;
     info->tool_shape = h.tool_shape;
@@ -34,15 +35,28 @@ palpate_status palpate_field_describe(const palpate_field* field, palpate_field_
     info->geometry_flagged_share = h.geometry_flagged_share;
     info->geometry_blocks_stored = h.geometry_stored;
     info->amplitude_blocks_stored = h.amplitude_stored;
+    info->way_count = h.way_count;
+    info->reserved = 0;
+    for (int w = 0; w < 4; ++w) {
+        info->way_cosine[w] = h.way_cosine[w];
+        info->way_offset[w] = h.way_offset[w];
+    }
     return PALPATE_OK;
 }
 
 palpate_status palpate_field_sample(const palpate_field* field, const double* q, size_t count, palpate_sample* samples) noexcept {
+    return palpate_field_sample_tilted(field, q, 1.0, count, samples);
+}
+
+palpate_status palpate_field_sample_tilted(const palpate_field* field, const double* q, double cosine, size_t count,
+                                           palpate_sample* samples) noexcept {
     if (count == 0) return PALPATE_OK;
-    if (field == nullptr || q == nullptr || samples == nullptr || samples->size < sizeof(palpate_sample)) {
+    if (field == nullptr || q == nullptr || samples == nullptr || !(cosine >= -1e3 && cosine <= 1e3) || samples->size < sizeof(palpate_sample)) {
         return PALPATE_BAD_ARGUMENT;
     }
     const std::uint32_t stride = samples->size;
+    const double way = palpate::clamped_cosine(*field, cosine);
+    const double lacking = field->tool_offset - palpate::offset_of_way(*field, way);
     if (stride % alignof(palpate_sample) != 0) return PALPATE_BAD_ARGUMENT;
     auto* bytes = reinterpret_cast<unsigned char*>(samples);
     for (size_t i = 0; i < count; ++i, q += 3, bytes += stride) {
@@ -53,6 +67,10 @@ palpate_status palpate_field_sample(const palpate_field* field, const double* q,
         if (!(std::fabs(q[0]) <= 1e3 && std::fabs(q[1]) <= 1e3 && std::fabs(q[2]) <= 1e3)) continue;
         palpate::location at;
         palpate::locate(*field, q, at);
+        if (at.region == PALPATE_REGION_CONTACT || at.region == PALPATE_REGION_FREE) {
+            at.depth -= lacking;
+            at.region = at.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
+        }
         out.region = at.region;
         out.depth = at.depth;
         double length_squared = 0.0;
@@ -67,7 +85,10 @@ palpate_status palpate_field_sample(const palpate_field* field, const double* q,
         if (at.region != PALPATE_REGION_CONTACT) continue;
         palpate::response r;
         palpate::amplitude_sums amplitudes;
-        palpate::respond(*field, q, at.depth, at.gradient, r, amplitudes);
+        palpate::amplitudes_here here;
+        palpate::amplitudes_at(*field, q, here);
+        palpate::blend(*field, here, way, amplitudes);
+        palpate::respond_again(*field, amplitudes, at.depth, at.gradient, r);
         out.stored_energy = r.energy;
         for (int a = 0; a < 3; ++a) {
             out.force[a] = -r.gradient[a];

@@ -44,7 +44,9 @@ struct palpate_field {
 
     palpate::lattice amplitudes;
     const float* amplitude_coefficients;
-    std::int32_t channel_stride;  // floats
+    std::int32_t channel_stride;  // floats from one coefficient to the next
+    std::int32_t way_stride;      // floats from one way of touching to the next
+    std::int32_t way_count;       // their cosines and offsets are in the header
     std::int32_t channels;           // in use, rounded up to a multiple of 4
     std::int32_t gradient_channels;  // the first ones, which hold the energy's and need gradients; likewise
     const palpate::contraction* contract;  // for this processor
@@ -53,10 +55,10 @@ struct palpate_field {
     palpate::depth_curves stiffness;
     palpate::depth_curves friction;
 
-    double tool_offset;  // m
+    double tool_offset;  // m; the largest of the ways
     double depth_max;    // m
 
-    const palpate::rfield_header* header;
+    palpate::rfield_header header;  // as this version would have written it
     const char* provenance;
     std::uint64_t provenance_size;
     void* owned;  // what to free, or null when used in place

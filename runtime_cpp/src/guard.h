@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "palpate/palpate.h"
+#include "rotation.h"
 
 namespace palpate {
 
@@ -16,6 +17,8 @@ struct accounts {
     double dissipated_friction;
     double dissipated_rule;
     double hold_leak;
+    double organ_work;
+    double injected;
 };
 
 // The hand did `work` over a tick in which the stored energy went from `before` to `held`, the value at the new place
@@ -44,29 +47,38 @@ inline bool within(double x, double limit) noexcept { return x >= -limit && x <=
 
 // Why this input cannot be used at all: PALPATE_TICK_BAD_INPUT or 0.
 inline std::uint32_t input_fault(const palpate_tool_state& state) noexcept {
+    const auto unit = [](const double q[4]) {
+        double length_squared = 0.0;
+        for (int a = 0; a < 4; ++a) length_squared += q[a] * q[a];
+        return length_squared > 0.98 && length_squared < 1.02;
+    };
     bool usable = state.dt > 0.0 && within(state.dt, 1e9);
     for (double x : state.position) usable = usable && within(x, position_limit);
-    if ((state.flags & PALPATE_INPUT_POSITION_ONLY) == 0) {
-        double length_squared = 0.0;
-        for (double x : state.orientation) length_squared += x * x;
-        usable = usable && length_squared > 0.98 && length_squared < 1.02;
+    if ((state.flags & PALPATE_INPUT_POSITION_ONLY) == 0) usable = usable && unit(state.orientation);
+    if ((state.flags & PALPATE_INPUT_ORGAN_POSE) != 0) {
+        for (double x : state.organ_position) usable = usable && within(x, position_limit);
+        usable = usable && unit(state.organ_orientation);
     }
     return usable ? 0u : PALPATE_TICK_BAD_INPUT;
 }
 
+// v in the tool's axes, in those of the position's, for a usable input.
+inline void turn_with_tool(const palpate_tool_state& state, const double v[3], double turned[3]) noexcept {
+    const double* u = state.orientation;
+    if ((state.flags & PALPATE_INPUT_POSITION_ONLY) != 0) {
+        for (int a = 0; a < 3; ++a) turned[a] = v[a];
+    } else {
+        rotate_scaled(u, 2.0 / (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]), v, turned);
+    }
+}
+
 // The tool's reference point for a usable input: q = position + R(orientation) reference_point.
 inline void reference_point(const palpate_tool_state& state, const double in_grip[3], double q[3]) noexcept {
-    for (int a = 0; a < 3; ++a) q[a] = state.position[a] + in_grip[a];
-    const double* u = state.orientation;
-    if ((state.flags & PALPATE_INPUT_POSITION_ONLY) != 0 || (in_grip[0] == 0.0 && in_grip[1] == 0.0 && in_grip[2] == 0.0)) {
-        return;
-    }
-    // R v = v + 2 (w (u x v) + u x (u x v)) / |quaternion|^2
-    const double twice = 2.0 / (u[0] * u[0] + u[1] * u[1] + u[2] * u[2] + u[3] * u[3]);
-    const double c[3] = {u[1] * in_grip[2] - u[2] * in_grip[1], u[2] * in_grip[0] - u[0] * in_grip[2],
-                         u[0] * in_grip[1] - u[1] * in_grip[0]};
-    const double cc[3] = {u[1] * c[2] - u[2] * c[1], u[2] * c[0] - u[0] * c[2], u[0] * c[1] - u[1] * c[0]};
-    for (int a = 0; a < 3; ++a) q[a] += twice * (u[3] * c[a] + cc[a]);
+    for (int a = 0; a < 3; ++a) q[a] = state.position[a];
+    if (in_grip[0] == 0.0 && in_grip[1] == 0.0 && in_grip[2] == 0.0) return;
+    double arm[3];
+    turn_with_tool(state, in_grip, arm);
+    for (int a = 0; a < 3; ++a) q[a] += arm[a];
 }
 
 }  // namespace palpate

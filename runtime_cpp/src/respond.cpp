@@ -31,43 +31,6 @@ std::int64_t row_of(const lattice& L, std::int64_t bx, std::int64_t by, std::int
     return inside ? L.index[(bx * L.blocks[1] + by) * L.blocks[2] + bz] : 0;
 }
 
-// False where the whole stencil lies outside the lattice: all amplitudes are zero.
-bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
-    const lattice& L = field.amplitudes;
-    const double u[3] = {(q[0] - L.origin[0]) * L.inverse_spacing, (q[1] - L.origin[1]) * L.inverse_spacing,
-                         (q[2] - L.origin[2]) * L.inverse_spacing};
-    taps.stride = field.channel_stride;
-    const std::int64_t block_size = 64 * taps.stride;
-    if (!(u[0] >= 0.0 && u[1] >= 0.0 && u[2] >= 0.0 && u[0] < L.last[0] && u[1] < L.last[1] && u[2] < L.last[2])) {
-        for (int a = 0; a < 3; ++a) {
-            if (!(u[a] >= -2.0 && u[a] < L.last[a] + 2.0)) return false;
-        }
-        // Shifted by one block so that the cell index truncates towards minus infinity.
-        taps_at(u[0] + 4.0, taps.x);
-        taps_at(u[1] + 4.0, taps.y);
-        taps_at(u[2] + 4.0, taps.z);
-        for (int i = 0; i < 8; ++i) {
-            const std::int64_t row = row_of(L, taps.x.block - 1 + (i >> 2 & next_block(taps.x, 2)),
-                                            taps.y.block - 1 + (i >> 1 & next_block(taps.y, 2)),
-                                            taps.z.block - 1 + (i & next_block(taps.z, 2)));
-            taps.block[i] = field.amplitude_coefficients + row * block_size;
-        }
-        return true;
-    }
-    taps_at(u[0], taps.x);
-    taps_at(u[1], taps.y);
-    taps_at(u[2], taps.z);
-    const std::int64_t cross_x = next_block(taps.x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
-    const std::int64_t cross_y = next_block(taps.y, 2) * static_cast<std::int64_t>(L.blocks[2]);
-    const std::int64_t cross_z = next_block(taps.z, 2);
-    const std::int32_t* line =
-        L.index + (taps.x.block * L.blocks[1] + taps.y.block) * L.blocks[2] + taps.z.block;
-    const std::int64_t step[8] = {0,       cross_z,           cross_y,           cross_y + cross_z,
-                                  cross_x, cross_x + cross_z, cross_x + cross_y, cross_x + cross_y + cross_z};
-    for (int i = 0; i < 8; ++i) taps.block[i] = field.amplitude_coefficients + line[step[i]] * block_size;
-    return true;
-}
-
 // The curves at one depth.  Summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
 struct curve_values {
     double phi[rfield_channel_limit], slope[rfield_channel_limit], bend[rfield_channel_limit];  // phi_r, phi_r', phi_r''
@@ -127,6 +90,42 @@ inline void combine(const palpate_field& field, const curve_values& c, const amp
 }
 
 }  // namespace
+
+bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
+    const lattice& L = field.amplitudes;
+    const double u[3] = {(q[0] - L.origin[0]) * L.inverse_spacing, (q[1] - L.origin[1]) * L.inverse_spacing,
+                         (q[2] - L.origin[2]) * L.inverse_spacing};
+    taps.stride = field.channel_stride;
+    const std::int64_t block_size = 64 * taps.stride;
+    if (!(u[0] >= 0.0 && u[1] >= 0.0 && u[2] >= 0.0 && u[0] < L.last[0] && u[1] < L.last[1] && u[2] < L.last[2])) {
+        for (int a = 0; a < 3; ++a) {
+            if (!(u[a] >= -2.0 && u[a] < L.last[a] + 2.0)) return false;
+        }
+        // Shifted by one block so that the cell index truncates towards minus infinity.
+        taps_at(u[0] + 4.0, taps.x);
+        taps_at(u[1] + 4.0, taps.y);
+        taps_at(u[2] + 4.0, taps.z);
+        for (int i = 0; i < 8; ++i) {
+            const std::int64_t row = row_of(L, taps.x.block - 1 + (i >> 2 & next_block(taps.x, 2)),
+                                            taps.y.block - 1 + (i >> 1 & next_block(taps.y, 2)),
+                                            taps.z.block - 1 + (i & next_block(taps.z, 2)));
+            taps.block[i] = field.amplitude_coefficients + row * block_size;
+        }
+        return true;
+    }
+    taps_at(u[0], taps.x);
+    taps_at(u[1], taps.y);
+    taps_at(u[2], taps.z);
+    const std::int64_t cross_x = next_block(taps.x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
+    const std::int64_t cross_y = next_block(taps.y, 2) * static_cast<std::int64_t>(L.blocks[2]);
+    const std::int64_t cross_z = next_block(taps.z, 2);
+    const std::int32_t* line =
+        L.index + (taps.x.block * L.blocks[1] + taps.y.block) * L.blocks[2] + taps.z.block;
+    const std::int64_t step[8] = {0,       cross_z,           cross_y,           cross_y + cross_z,
+                                  cross_x, cross_x + cross_z, cross_x + cross_y, cross_x + cross_y + cross_z};
+    for (int i = 0; i < 8; ++i) taps.block[i] = field.amplitude_coefficients + line[step[i]] * block_size;
+    return true;
+}
 
 void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
              response& found, amplitude_sums& amplitudes) noexcept {

@@ -17,9 +17,13 @@ struct response {
     double friction_coefficient;  // mu >= 0
 };
 
-// The response at q with depth >= 0 (m) and grad phi as `locate` found them; `amplitudes` are those at q.
+// The response at q with depth >= 0 (m) and grad phi as `locate` found them, in the first way of touching; `amplitudes` are
+// those at q.
 void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
              response& found, amplitude_sums& amplitudes) noexcept;
+
+// Where the 27 coefficients under q are; false where the whole stencil lies outside the lattice: all amplitudes are zero.
+bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept;
 
 // The same at another depth, from the amplitudes that were found.
 void respond_again(const palpate_field& field, const amplitude_sums& amplitudes, double depth,

@@ -10,17 +10,28 @@
 namespace palpate {
 
 constexpr char rfield_magic[9] = "PALPRFLD";
-constexpr std::uint32_t rfield_version = 1;
-constexpr std::uint64_t rfield_layout_hash = 0xc7f09ab8c07d2981u;
+constexpr std::uint32_t rfield_version = 2;
+constexpr std::uint64_t rfield_layout_hash = 0x7f38e7c7022e4f4au;
+constexpr std::uint32_t rfield_way_limit = 4;
 constexpr std::uint64_t rfield_section_alignment = 64;
 constexpr std::uint32_t rfield_channel_limit = 16;
 constexpr std::uint32_t rfield_section_count = 8;
+
+// Older versions that are read: their header is the beginning of this one.
+struct rfield_older_version {
+    std::uint32_t version;
+    std::uint64_t layout_hash;
+    std::uint32_t header_size;
+};
+constexpr rfield_older_version rfield_older_versions[] = {
+    {1, 0xc7f09ab8c07d2981u, 680},
+};
 
 enum rfield_section : std::uint32_t {
     section_geometry_index = 0,  // (geometry_blocks) i32: block row; -1 free, -2 deeper than the band, -3 unreached
     section_geometry_coefficients = 1,  // (geometry_stored, 4, 4, 4) i16: phi coefficient = geometry_bias + geometry_scale * value
     section_amplitude_index = 2,  // (amplitude_blocks) i32: block row; 0 (the zero block) where nothing is stored
-    section_amplitude_coefficients = 3,  // (amplitude_stored, 4, 4, 4, channel_stride) f32: row 0 is all zero; channels a_r, b_r, m_r, then zero padding
+    section_amplitude_coefficients = 3,  // (amplitude_stored, 4, 4, 4, way_count, channel_stride) f32: row 0 is all zero; channels a_r, b_r, m_r, then zero padding
     section_energy_curves = 4,  // (energy_intervals + 1, energy_curve_count, 4) f64: c0..c3 by interval [J/m^j]; the last row continues beyond depth_end with c3 = 0
     section_stiffness_curves = 5,  // (stiffness_intervals + 1, stiffness_curve_count, 4) f64: the same, N/m
     section_friction_curves = 6,  // (friction_intervals + 1, friction_curve_count, 4) f64: the same, dimensionless
@@ -42,7 +53,7 @@ struct rfield_header {
     char tool_shape[32];  // NUL-terminated UTF-8
     char tool_hash[80];  // NUL-terminated hex digest
     char field_hash[80];  // NUL-terminated sha256 of every section before provenance
-    double tool_offset;  // (m) rho: depth = rho - phi(q)
+    double tool_offset;  // (m) rho: depth = rho - phi(q); the largest of the ways'
     double depth_max;  // (m) deepest press; beyond it the curves continue and the status says so
     double stiffness_max;  // (N/m) sigma: largest stiffness of energy and friction spring up to depth_max
     double band[2];  // (m) smallest and largest phi meant to be read
@@ -58,7 +69,7 @@ struct rfield_header {
     double amplitude_spacing;  // (m)
     std::uint32_t amplitude_blocks[3];  // blocks along x, y, z
     std::uint32_t amplitude_stored;  // stored blocks, the zero block included
-    std::uint32_t channel_stride;  // floats from one coefficient to the next; a multiple of 4
+    std::uint32_t channel_stride;  // floats from one way to the next; a multiple of 4
     std::uint32_t energy_curve_count;
     std::uint32_t stiffness_curve_count;
     std::uint32_t friction_curve_count;
@@ -72,6 +83,10 @@ struct rfield_header {
     std::uint64_t section_offset[8];  // (byte) from the start of the file
     std::uint64_t section_elements[8];  // elements in the section
     std::uint32_t section_element_size[8];  // (byte)
+    std::uint32_t way_count;  // ways of touching, 1 to WAY_LIMIT; since version 2, as all below
+    std::uint32_t reserved_2;  // zero
+    double way_cosine[4];  // of tool axis and outward normal, falling from way to way; then zeros
+    double way_offset[4];  // (m) rho of each way; then zeros
 };
 
 static_assert(offsetof(rfield_header, magic) == 0, "rfield layout");
@@ -115,7 +130,11 @@ static_assert(offsetof(rfield_header, friction_depth_end) == 512, "rfield layout
 static_assert(offsetof(rfield_header, section_offset) == 520, "rfield layout");
 static_assert(offsetof(rfield_header, section_elements) == 584, "rfield layout");
 static_assert(offsetof(rfield_header, section_element_size) == 648, "rfield layout");
-static_assert(sizeof(rfield_header) == 680, "rfield layout");
+static_assert(offsetof(rfield_header, way_count) == 680, "rfield layout");
+static_assert(offsetof(rfield_header, reserved_2) == 684, "rfield layout");
+static_assert(offsetof(rfield_header, way_cosine) == 688, "rfield layout");
+static_assert(offsetof(rfield_header, way_offset) == 720, "rfield layout");
+static_assert(sizeof(rfield_header) == 752, "rfield layout");
 
 }  // namespace palpate
 

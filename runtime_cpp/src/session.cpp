@@ -14,11 +14,13 @@ namespace {
 
 bool usable(const palpate_config& c) noexcept {
     const auto length = [](double x) { return x >= -1e3 && x <= 1e3; };
+    const double axis_squared = c.tool_axis[0] * c.tool_axis[0] + c.tool_axis[1] * c.tool_axis[1] + c.tool_axis[2] * c.tool_axis[2];
     return c.size >= sizeof(palpate_config) && length(c.reference_point[0]) && length(c.reference_point[1]) &&
            length(c.reference_point[2]) && c.friction_coefficient <= 1e6 && c.friction_coefficient >= -1e6 &&
            c.speed_max >= 0.0 && c.speed_max <= 1e9 && c.dt_max > 0.0 && c.dt_max <= 1e9 &&
            c.adhesion >= PALPATE_ADHESION_STICK_SLIP && c.adhesion <= PALPATE_ADHESION_DAHL && c.adhesion_start >= 0.0 &&
-           c.adhesion_start <= 0.999 && c.force_max >= 0.0 && c.force_max <= 1e9 && c.passivity_control <= 1;
+           c.adhesion_start <= 0.999 && c.force_max >= 0.0 && c.force_max <= 1e9 && c.passivity_control <= 1 &&
+           c.response <= PALPATE_RESPONSE_AXIAL_UNGUARDED && axis_squared > 0.98 && axis_squared < 1.02;
 }
 
 bool roomy(const void* memory, size_t size) noexcept {
@@ -39,6 +41,7 @@ void palpate_config_default(palpate_config* config) noexcept {
     config->dt_max = 0.1;
     config->adhesion = PALPATE_ADHESION_STICK_SLIP;
     config->adhesion_start = 0.5;
+    config->tool_axis[2] = 1.0;
 }
 
 size_t palpate_session_size(void) noexcept { return sizeof(palpate_session); }
@@ -87,7 +90,8 @@ uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state,
         response->size < sizeof(palpate_tool_response)) {
         return PALPATE_TICK_BAD_ARGUMENT;
     }
-    return palpate::tick(*session, *state, *response);
+    const bool at_rest = !session->organ.used && (state->flags & PALPATE_INPUT_ORGAN_POSE) == 0;
+    return at_rest ? palpate::tick(*session, *state, *response) : palpate::tick_on_organ(*session, *state, *response);
 }
 
 uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states, palpate_tool_response* responses,

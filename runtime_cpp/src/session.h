@@ -8,7 +8,9 @@
 
 #include "friction.h"
 #include "guard.h"
+#include "organ.h"
 #include "palpate/palpate.h"
+#include "rfield_layout.h"
 
 namespace palpate {
 
@@ -36,6 +38,10 @@ struct palpate_session {
     palpate::gate entry;
     bool has_q;       // q is valid
     bool touching;
+
+    double cosine;                                  // of tool axis and normal, within the field's ways; see ways.h
+    double amplitude[palpate::rfield_channel_limit];  // that axial's stored energy is made of
+    palpate::carriage organ;
 };
 
 namespace palpate {
@@ -43,8 +49,11 @@ namespace palpate {
 // State of a fresh session; keeps field and config.
 void begin(palpate_session& session) noexcept;
 
-// One tick with arguments known to be good.
+// One tick with arguments known to be good, in the organ's axes.
 std::uint32_t tick(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) noexcept;
+
+// The same in world axes, on an organ that has a pose or may get one.
+std::uint32_t tick_on_organ(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) noexcept;
 
 }  // namespace palpate
 

@@ -3,14 +3,18 @@
 // One tick: locate, respond, friction, guard.  Stored energy E = U(q) + 1/2 k |s|^2; the hand moved the tool by dq under
 // the force that was sent, f = -grad U - k s, and did w = -f . dq.  In this order:
 //   1. at fixed k and anchor, E goes to U(q') + 1/2 k |s + P dq|^2: w plus the zero-order hold's share (the leak);
-//   2. the normal turns, the stiffness changes, the spring yields: friction.h shows that none raises E;
+//   2. the way of touching changes: rule.h; the normal turns, the stiffness changes, the spring yields: friction.h shows that none
+//      raises E;
 //   3. the surface yields to the device's limit, to a covered leak, to a changed field: contact.cpp; none raises E;
 //   4. contact that cannot go on (too deep, through, jumped, bad input) gives up E as a whole: dissipated.
 // First contact sets the spring down unstretched; lift-off has U = k = 0, so E ends at zero by itself.
+#include <cmath>
+
 #include "contact.h"
 #include "locate.h"
 #include "session.h"
 #include "vec.h"
+#include "ways.h"
 
 namespace palpate {
 namespace {
@@ -30,6 +34,26 @@ void write_books(const palpate_session& s, palpate_tool_response& out) noexcept 
     out.dissipated_friction = s.books.dissipated_friction;
     out.dissipated_rule = s.books.dissipated_rule;
     out.hold_leak = s.books.hold_leak;
+    out.organ_work = s.books.organ_work;
+    out.injected = s.books.injected;
+    out.way_cosine = s.cosine;
+}
+
+// The way of touching at m.q, from `before` (the last tick's cosine); the location's depth becomes that of the larger rho of the two.
+void tilt(const palpate_field& field, double before, motion& m, location& at) noexcept {
+    const double c0 = clamped_cosine(field, before);
+    m.cosine = c0;
+    m.shift_before = m.shift = 0.0;
+    if (field.way_count == 1) return;
+    const double length = std::sqrt(dot(at.gradient, at.gradient));
+    if (length > 0.0) m.cosine = clamped_cosine(field, dot(m.axis, at.gradient) / length);
+    const double rho_before = offset_of_way(field, c0), rho = offset_of_way(field, m.cosine);
+    const double larger = rho_before > rho ? rho_before : rho;
+    m.shift_before = larger - rho_before;
+    m.shift = larger - rho;
+    if (at.region != PALPATE_REGION_CONTACT && at.region != PALPATE_REGION_FREE) return;
+    at.depth -= field.tool_offset - larger;
+    at.region = at.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
 }
 
 // A stroke longer than the geometry's spacing: what lies between its ends?  Returns the bits that end contact; may
@@ -54,8 +78,15 @@ std::uint32_t check_stroke(palpate_session& s, motion& m, const location& at) no
 }
 
 // The field changes at m.q, where `at` becomes what the new one says; true when contact goes on.
-bool change_field(palpate_session& s, const motion& m, location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
+bool change_field(palpate_session& s, motion& m, location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
     locate(*s.next_field, m.q, at);
+    tilt(*s.next_field, 1.0, m, at);
+    if (at.region == PALPATE_REGION_CONTACT || at.region == PALPATE_REGION_FREE) {  // only the new way counts
+        at.depth -= m.shift;
+        m.shift = 0.0;
+        at.region = at.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
+    }
+    s.cosine = m.cosine;
     const bool touching = s.touching && change_field_in_contact(s, m, at, status, out);
     s.field = s.next_field;
     s.next_field = nullptr;
@@ -78,6 +109,11 @@ void begin(palpate_session& s) noexcept {
     s.entry = gate::closed;
     s.has_q = false;
     for (double& x : s.q) x = 0.0;
+    s.cosine = clamped_cosine(*s.field, 1.0);
+    const palpate_organ* source = s.organ.source;
+    s.organ = carriage{};
+    s.organ.source = source;
+    s.organ.used = source != nullptr;
 }
 
 std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) noexcept {
@@ -109,6 +145,8 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
 
     location at;
     locate(*s.field, m.q, at);
+    if (s.field->way_count > 1 || s.next_field != nullptr) turn_with_tool(state, s.config.tool_axis, m.axis);
+    tilt(*s.field, s.cosine, m, at);
     const double spacing = s.field->geometry.spacing;
     if (status == 0 && s.entry == gate::open && length_squared > spacing * spacing) {
         status |= check_stroke(s, m, at);
@@ -141,10 +179,11 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
 
     for (int a = 0; a < 3; ++a) s.q[a] = m.q[a];
     s.has_q = true;
+    s.cosine = m.cosine;
     if (s.next_field != nullptr) touching = change_field(s, m, at, status, out);
     if (!touching) write_free(s, out);
     write_books(s, out);
-    out.depth = at.depth;
+    out.depth = at.depth - m.shift;
     out.region = at.region;
     out.status = status;
     return status;

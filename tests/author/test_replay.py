@@ -56,6 +56,19 @@ def test_npz_with_whole_vectors_times_and_orientation_is_the_same_trace(field, t
     assert one["seconds"] == pytest.approx(other["seconds"])
 
 
+def test_a_moving_organ_is_replayed_and_its_work_told(field, tmp_path):
+    table = press()
+    held = {name: np.full(1600, value) for name, value in (("x", -4e-3), ("y", 0.0), ("z", 5.2e-3))}
+    lift = {"ox": np.zeros(1600), "oy": np.zeros(1600), "oz": 3e-3 * np.sin(np.linspace(0, np.pi, 1600))}
+    write_trace(tmp_path / "breath.csv", held | {"dt": table["dt"]} | lift)
+    result = replay(field, tmp_path / "breath.csv", tmp_path / "answer.csv")
+    assert result["work_in"] == 0 and abs(result["organ_work"]) > 1e-7 and result["force_max_seen"] > 0.05
+    assert result["balance_error"] < 1e-14
+    turned = lift | {f"oq{a}": np.full(1600, float(a == "w")) for a in "xyzw"}
+    write_trace(tmp_path / "turned.csv", held | {"dt": table["dt"]} | turned)
+    assert replay(field, tmp_path / "turned.csv")["organ_work"] == result["organ_work"]
+
+
 def test_the_force_limit_and_friction_reach_the_runtime(field, tmp_path):
     write_trace(tmp_path / "t.csv", press())
     free = replay(field, tmp_path / "t.csv", friction=0.0)

@@ -28,7 +28,7 @@ struct hand {
     }
 
     palpate_tool_response move(const point& p) {
-        palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {p[0], p[1], p[2]}, {0, 0, 0, 1}};
+        palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {p[0], p[1], p[2]}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
         palpate_tool_response r{};
         r.size = sizeof r;
         palpate_tick(session, &state, &r);

@@ -30,7 +30,7 @@ TEST(guard, the_hold_is_what_work_does_not_explain) {
 TEST(guard, every_number_that_is_not_usable_is_a_fault) {
     const double inf = std::numeric_limits<double>::infinity();
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    const palpate_tool_state good{sizeof good, 0, 1e-3, {0, 0, 0}, {0, 0, 0, 1}};
+    const palpate_tool_state good{sizeof good, 0, 1e-3, {0, 0, 0}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
     EXPECT_EQ(input_fault(good), 0u);
     for (double bad : {inf, -inf, nan, 1e300}) {
         for (int i = 0; i < 8; ++i) {
@@ -53,7 +53,7 @@ TEST(guard, every_number_that_is_not_usable_is_a_fault) {
 
 TEST(guard, the_reference_point_turns_with_the_grip) {
     const double half = std::sqrt(0.5);
-    const palpate_tool_state state{sizeof state, 0, 1e-3, {1, 2, 3}, {0, 0, half * 1.001, half * 1.001}};  // 90 degrees about z
+    const palpate_tool_state state{sizeof state, 0, 1e-3, {1, 2, 3}, {0, 0, half * 1.001, half * 1.001}, {0, 0, 0}, {0, 0, 0, 1}};  // 90 degrees about z
     const double in_grip[3] = {0.1, 0.2, 0.3};
     double q[3];
     reference_point(state, in_grip, q);

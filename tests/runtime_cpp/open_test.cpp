@@ -98,7 +98,7 @@ TEST_F(open, refuses_every_flipped_bit_of_the_header_and_thousands_of_the_rest) 
 
 TEST_F(open, refuses_other_files_and_other_versions) {
     EXPECT_EQ(status_with(0, 'X'), PALPATE_NOT_RFIELD);
-    EXPECT_EQ(status_with(offsetof(rfield_header, version), std::uint32_t{2}), PALPATE_WRONG_VERSION);
+    EXPECT_EQ(status_with(offsetof(rfield_header, version), std::uint32_t{99}), PALPATE_WRONG_VERSION);
     EXPECT_EQ(status_with(offsetof(rfield_header, layout_hash), std::uint64_t{2}), PALPATE_WRONG_VERSION);
     EXPECT_EQ(open_status(bytes(5000, 0)), PALPATE_NOT_RFIELD);
 }

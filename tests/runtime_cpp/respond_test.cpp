@@ -73,7 +73,7 @@ TEST(respond, outside_the_amplitudes_there_is_no_response) {
 TEST(respond, is_continuous_across_the_edge_of_the_amplitude_box) {
     const opened_field plane("plane");
     const double up[3] = {0, 0, 1};
-    const rfield_header& h = *plane.field->header;
+    const rfield_header& h = plane.field->header;
     const double edge = h.amplitude_origin[0];
     double before = -1.0;
     for (double x = edge - 6e-3; x < edge + 6e-3; x += 1e-6) {

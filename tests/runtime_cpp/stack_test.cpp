@@ -22,7 +22,7 @@ void* run(void* argument) {
     const auto& w = *static_cast<work*>(argument);
     std::uint64_t random = 1;
     point p{0, 0, 8e-3};
-    palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}};
+    palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, 1e-3, {0, 0, 0}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
     palpate_tool_response r{};
     r.size = sizeof r;
     for (int i = 0; w.ticks && i < 200000; ++i) {

@@ -51,6 +51,8 @@ def test_enums_are_those_of_the_header():
     assert flags == {t.name: t.value for t in layout.Tick}
     inputs = {k: int(v) for k, v in re.findall(r"#define PALPATE_INPUT_(\w+) (\d+)u", text)}
     assert inputs == {t.name: t.value for t in layout.Input}
+    responses = {k: int(v) for k, v in re.findall(r"PALPATE_RESPONSE_(\w+) = (\d)", text)}
+    assert responses == {r.name: r.value for r in layout.Response}
     regions = {k: int(v) for k, v in re.findall(r"PALPATE_REGION_(\w+) = (\d+)", text)}
     assert regions == {r.name: r.value for r in layout.Region}
 
@@ -58,9 +60,9 @@ def test_enums_are_those_of_the_header():
 def test_every_status_has_one_sentence():
     lib = library()
     texts = [lib.palpate_status_text(i).decode() for i in range(13)]
-    texts += [lib.palpate_tick_text(1 << i).decode() for i in range(14)] + [lib.palpate_tick_text(0).decode()]
+    texts += [lib.palpate_tick_text(1 << i).decode() for i in range(15)] + [lib.palpate_tick_text(0).decode()]
     assert all(t.endswith(".") and t.count(". ") == 0 for t in texts)
-    assert "unknown" in texts[12] and "unknown" in texts[26]
+    assert "unknown" in texts[12] and "unknown" in texts[27]
 
 
 def test_version_is_three_numbers():

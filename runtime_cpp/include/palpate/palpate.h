@@ -12,9 +12,14 @@
  *
  * Energy: with q_k the tool's reference point and f_k the force sent at tick k, the hand's work is
  * W = - sum f_k . (q_{k+1} - q_k).  Over any path, for any friction and any field that opens,
- *     W + hold_leak = stored_energy(end) - stored_energy(start) + dissipated_friction + dissipated_rule,
- * both dissipations >= 0; hold_leak is what holding the force constant over a tick gave or took, at most
- * 1/2 stiffness_max |q_{k+1} - q_k|^2 for each tick within depth_max.  Nothing else is created.
+ *     W + organ_work + hold_leak = stored_energy(end) - stored_energy(start) + dissipated_friction + dissipated_rule,
+ * both dissipations >= 0; organ_work is what whoever moves the organ put in (0 while it rests); hold_leak is what holding
+ * the force constant over a tick gave or took, at most 1/2 stiffness_max |dq|^2 for each tick within depth_max, dq being
+ * the tool's step as the organ sees it.  Nothing else is created (PALPATE_RESPONSE_AXIAL_UNGUARDED excepted, which exists
+ * to show that it creates: `injected`, on the left side).
+ *
+ * Axes: an organ that was never given a pose has the world's axes.  With a pose, positions, forces, torques and normals are in
+ * world axes; palpate_field_sample always is in the organ's.
  *
  * Threads: a field may be used by any number of threads at once.  Calls on one session must not overlap; calls on
  * different sessions may.  palpate_tick, palpate_tick_batch, palpate_field_sample and the palpate_session_* functions
@@ -47,7 +52,7 @@ extern "C" {
 #endif
 
 /* Changes when a struct or a function changes in a way that compiled code would notice. */
-#define PALPATE_ABI_VERSION 2u
+#define PALPATE_ABI_VERSION 3u
 
 typedef struct palpate_field palpate_field;
 typedef struct palpate_session palpate_session;
@@ -137,6 +142,10 @@ typedef struct palpate_field_info {
     double geometry_flagged_share; /* fraction of the band where |grad phi| < 0.9 */
     uint64_t geometry_blocks_stored;
     uint64_t amplitude_blocks_stored; /* the zero block included */
+    uint32_t way_count;          /* ways of touching (tilts): 1 to 4 */
+    uint32_t reserved;
+    double way_cosine[4];        /* of the angle between tool axis and outward normal, falling; way_count of them */
+    double way_offset[4];        /* rho of each way, m; tool_offset is the largest */
 } palpate_field_info;
 
 /* Fills *info; info->size must be set. */
@@ -173,6 +182,11 @@ typedef struct palpate_sample {
 PALPATE_API palpate_status palpate_field_sample(const palpate_field* field, const double* q, size_t count,
                                                 palpate_sample* samples) PALPATE_NOEXCEPT;
 
+/* The same for a tool held so that its axis has `cosine` with the outward normal (clamped to the field's ways); the function above
+ * takes the first way. */
+PALPATE_API palpate_status palpate_field_sample_tilted(const palpate_field* field, const double* q, double cosine, size_t count,
+                                                       palpate_sample* samples) PALPATE_NOEXCEPT;
+
 /* ---- session ------------------------------------------------------------------------------------------------- */
 
 /* How a stretched contact slips (Hayward and Armstrong's adhesion functions): whatever is chosen, slip dissipates. */
@@ -182,6 +196,14 @@ typedef enum palpate_adhesion {
     PALPATE_ADHESION_PROPORTIONAL = 3, /* the same in proportion to the stretch */
     PALPATE_ADHESION_DAHL = 4          /* never quite sticks: a held contact that is shaken drifts.  For comparison only */
 } palpate_adhesion;
+
+/* What is felt along the surface. */
+typedef enum palpate_response_kind {
+    PALPATE_RESPONSE_POTENTIAL = 0, /* the gradient of one energy, lateral push included (default) */
+    /* For comparison: the published scheme, which interpolates forces at the contact point and pushes along the normal alone. */
+    PALPATE_RESPONSE_AXIAL = 1,           /* guarded: where sliding would raise stored energy the surface yields */
+    PALPATE_RESPONSE_AXIAL_UNGUARDED = 2  /* as published: press soft, drag to stiff, lift creates energy.  Never for a hand */
+} palpate_response_kind;
 
 typedef struct palpate_config {
     uint32_t size;
@@ -193,13 +215,15 @@ typedef struct palpate_config {
     double adhesion_start;        /* 0 to 0.999; of SMOOTH and PROPORTIONAL, as a fraction of the limit (default 0.5) */
     double force_max;             /* N; the device's limit: the surface yields there, and comes back with the tool; 0: none */
     uint32_t passivity_control;   /* 1: the surface yields by what the hold has given and nothing has dissipated; 0: off */
-    uint32_t reserved;            /* 0 */
+    uint32_t response;            /* palpate_response_kind */
+    double tool_axis[3];          /* unit, in the grip's frame: the tool's axis, out of the tissue (default 0 0 1); read by fields
+                                     with several ways of touching */
 } palpate_config;
 
 /* Sets *config to the defaults above, reference point at the grip; sets config->size. */
 PALPATE_API void palpate_config_default(palpate_config* config) PALPATE_NOEXCEPT;
 
-/* Bytes that a session needs (about 0.5 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
+/* Bytes that a session needs (about 0.7 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
  * snapshot that can be ticked, replayed or restored in the same process while the field is open. */
 PALPATE_API size_t palpate_session_size(void) PALPATE_NOEXCEPT;
 
@@ -216,18 +240,42 @@ PALPATE_API palpate_status palpate_session_reset(palpate_session* session) PALPA
  * on; that tick moves in the old field first, then changes, and takes up to 45 further evaluations of curves.  While
  * touching, stored energy does not rise: where the new field would hold more, its surface yields (surface_offset) until it
  * does not, and comes back with the tool.  The force may step.  Where the new field has no contact, or a surface that faces
- * away, contact is released.  Until the next tick returns the old field must stay open. */
+ * away, contact is released.  A change of way of touching (tilt) within one field follows the same rule, every tick.  Until the next tick returns the old field must stay open. */
 PALPATE_API palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_NOEXCEPT;
 
 /* Copies the session's bytes to `memory` (as in palpate_session_init) and returns the copy in *snapshot. */
 PALPATE_API palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
                                                     palpate_session** snapshot) PALPATE_NOEXCEPT;
 
+/* ---- organ ---------------------------------------------------------------------------------------------------- */
+
+/* Where an organ is, for any number of sessions on it (two hands feel the same motion).  One thread moves it, other threads tick;
+ * neither waits for the other.  Sessions go from pose to pose at a steady rate: a 60 Hz staircase would shake the hand. */
+typedef struct palpate_organ palpate_organ;
+
+/* Bytes that an organ needs, aligned to 8. */
+PALPATE_API size_t palpate_organ_size(void) PALPATE_NOEXCEPT;
+
+/* Makes an organ in `memory` (`size` >= palpate_organ_size() bytes, aligned to 8), without a pose.  There is nothing to free. */
+PALPATE_API palpate_status palpate_organ_init(void* memory, size_t size, palpate_organ** organ) PALPATE_NOEXCEPT;
+
+/* Publishes a pose: organ axes to world axes, x_world = R(orientation) x_organ + position.  Sessions get there `duration` seconds
+ * of their own ticks later (the time until the next pose comes: 1/60 for a 60 Hz scene; 0: at once), position linearly,
+ * orientation by normalised interpolation; without a pose before, at once.  Wait-free; one thread at a time.
+ * position: |x| <= 1e3 m.  orientation: x y z w, length 1 within 1 %.  duration: 0 to 1e3 s. */
+PALPATE_API palpate_status palpate_organ_move(palpate_organ* organ, const double position[3], const double orientation[4],
+                                              double duration) PALPATE_NOEXCEPT;
+
+/* From the next tick on the session's organ is where `organ` is, which must outlive it; null: it stays where it is. */
+PALPATE_API palpate_status palpate_session_set_organ(palpate_session* session, const palpate_organ* organ) PALPATE_NOEXCEPT;
+
 /* ---- tick ---------------------------------------------------------------------------------------------------- */
 
 /* Input flags. */
-#define PALPATE_INPUT_POSITION_ONLY 1u /* orientation is not read; the grip's axes are the organ's */
+#define PALPATE_INPUT_POSITION_ONLY 1u /* orientation is not read; the grip's axes are the world's */
 #define PALPATE_INPUT_RELEASE 2u       /* let go: zero force now, contact again only from outside (a clutch) */
+#define PALPATE_INPUT_ORGAN_POSE 4u    /* the organ is where organ_position and organ_orientation say, from this tick on, until
+                                          another tick or a moved palpate_organ says otherwise */
 
 typedef struct palpate_tool_state {
     uint32_t size;
@@ -235,6 +283,8 @@ typedef struct palpate_tool_state {
     double dt;             /* s since the last tick; > 0 and <= dt_max */
     double position[3];    /* m; the grip */
     double orientation[4]; /* x y z w; length 1 within 1 % (it is normalised) */
+    double organ_position[3];    /* m; of the organ's origin; read with PALPATE_INPUT_ORGAN_POSE only */
+    double organ_orientation[4]; /* x y z w, likewise */
 } palpate_tool_state;
 
 /* Tick status bits; 0 is an ordinary tick.  Those marked * mean zero force. */
@@ -244,13 +294,14 @@ typedef struct palpate_tool_state {
 #define PALPATE_TICK_TOO_DEEP 8u        /* * deeper than the stored band: released; back only from outside */
 #define PALPATE_TICK_PASSED_THROUGH 16u /* * the stroke went through tissue, or turned its normal over: released */
 #define PALPATE_TICK_WAITING 32u        /* * in the tissue without having entered from outside */
-#define PALPATE_TICK_JUMP 64u           /* * faster than speed_max, or too long a stroke to be checked: released */
+#define PALPATE_TICK_JUMP 64u           /* * tool against organ faster than speed_max, or too long a stroke to be checked: released */
 #define PALPATE_TICK_STALE 128u         /* * dt longer than dt_max: released */
 #define PALPATE_TICK_BAD_INPUT 256u     /* * a number that is not finite, dt <= 0, or no unit quaternion: released */
 #define PALPATE_TICK_RELEASED 512u      /* * PALPATE_INPUT_RELEASE was set */
 #define PALPATE_TICK_BAD_ARGUMENT 1024u /* a null pointer or a struct too small: nothing was read or written */
 #define PALPATE_TICK_FORCE_LIMITED 2048u /* the surface yielded to force_max */
 #define PALPATE_TICK_LEAK_COVERED 4096u /* the surface yielded to passivity_control */
+#define PALPATE_TICK_RULE_YIELDED 8192u /* the surface yields so that a change of way (or axial sliding) raises no energy */
 
 typedef struct palpate_tool_response {
     uint32_t size;
@@ -271,10 +322,13 @@ typedef struct palpate_tool_response {
     double spring_energy;        /* J; 1/2 k |s|^2 */
     double surface_offset;       /* m; how far the surface has yielded: the tissue is felt at depth - surface_offset */
     /* Accounts since init or reset, J. */
-    double work_in;              /* by the hand: - sum f . dq */
+    double work_in;              /* by the hand: - sum f . dq, in world axes */
     double dissipated_friction;  /* by slip, growing stiffness, lift-off of a stretched spring */
     double dissipated_rule;      /* by releases, yielding surfaces and changed fields */
     double hold_leak;            /* by holding the force constant over ticks; signed */
+    double organ_work;           /* by whoever moves the organ; signed */
+    double injected;             /* made by PALPATE_RESPONSE_AXIAL_UNGUARDED; else 0 */
+    double way_cosine;           /* the way of touching that is felt: cosine of tool axis and normal, within the field's ways */
 } palpate_tool_response;
 
 /* One servo tick.  state->size and response->size must be set.  Returns response->status.  Never fails otherwise:

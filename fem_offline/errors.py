@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a bad surface or mesh is refused with: one sentence saying what, where, and what would be right."""
+"""What a bad surface, mesh or support is refused with: one sentence saying what, where, and what would be right."""
 
 from __future__ import annotations
 
-__all__ = ["MeshError", "SurfaceError"]
+__all__ = ["MeshError", "SupportError", "SurfaceError"]
 
 
 class _Refusal(ValueError):
@@ -24,3 +24,7 @@ class SurfaceError(_Refusal):
 
 class MeshError(_Refusal):
     """No tetrahedral mesh of the required quality came out."""
+
+
+class SupportError(_Refusal):
+    """Nothing holds the organ: a press would push it away."""

@@ -2,13 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The organ outside a patch, linear and condensed onto the patch's interface.
 
-With interface displacements u_I, the far tetrahedra at rest stiffness and the supports held,
+With interface displacements u_I, the far tetrahedra and capsule at rest stiffness, fixed supports held and the ground
+of elastic ones at rest,
 
     W_far(u_I) = u_I^T S u_I / 2,      S = K_II - K_If K_ff^-1 K_fI
 
-The six rigid motions c of the supports are kept too, so that one factorisation also gives the supports' reaction
-as an operator, R = S_cI u_I (force and moment about the origin): an independent side of action and reaction.
-Nothing here knows the tool: every tool that presses here shares the result.
+The supports, fixed ones and the springs' ground, move as one rigid body with six motions c, which are kept too:
+
+    u = P (u_free, c),   W = u^T K u / 2 + (u - M c)^T K_e (u - M c) / 2
+
+(K tissue, K_e springs, M the rigid motions of every node), so that one factorisation also gives the supports' reaction
+as an operator, R = dW/dc = S_cI u_I at c = 0 (force and moment about the origin): an independent side of action and
+reaction.  Nothing here knows the tool: every tool that presses here shares the result.
 """
 
 from __future__ import annotations
@@ -33,7 +38,7 @@ class FarField:
     Attributes:
         organ_nodes: (I,) the organ's quadratic nodes on the interface, held ones left out.
         stiffness: (3 I, 3 I) N/m, node-major.
-        reaction: (6, 3 I); force (N/m) and moment (N) on the supports' far part per interface displacement.
+        reaction: (6, 3 I); force (N/m) and moment (N) of the supports on the far part per interface displacement.
     """
 
     organ_nodes: np.ndarray
@@ -57,18 +62,16 @@ def condense(organ: Organ, carved: np.ndarray, organ_nodes: np.ndarray) -> FarFi
     kept = np.setdiff1d(organ_nodes, held)
     far_nodes = np.setdiff1d(np.unique(organ.space.elements[~carved]), held)
     held_far = np.intersect1d(np.unique(organ.space.elements[~carved]), held)
-    stiffness = organ.rest_stiffness(~carved)
     free = (3 * far_nodes[:, None] + np.arange(3)).ravel()
-    modes = _rigid_motions(organ.space.nodes[held_far])
-    count = stiffness.shape[0]
-    columns = [
-        sparse.csr_matrix((np.ones(len(free)), (free, np.arange(len(free)))), shape=(count, len(free)))
-    ]
-    rows = (3 * held_far[:, None] + np.arange(3)).ravel()
-    at = (np.repeat(rows, 6), np.tile(np.arange(6), len(rows)))
-    columns.append(sparse.csr_matrix((modes.ravel(), at), shape=(count, 6)))
-    prolongation = sparse.hstack(columns).tocsr()
-    reduced = (prolongation.T @ stiffness @ prolongation).tocsr()
+    fixed = (3 * held_far[:, None] + np.arange(3)).ravel()
+    motions = sparse.csr_matrix(_rigid_motions(organ.space.nodes))
+    count = motions.shape[0]
+    moved = sparse.identity(count, format="csr")[:, free]
+    led = sparse.diags(np.isin(np.arange(count), fixed).astype(float)) @ motions
+    prolongation = sparse.hstack([moved, led]).tocsr()
+    stretch = sparse.hstack([moved, led - motions]).tocsr()
+    reduced = prolongation.T @ organ.rest_stiffness(~carved) @ prolongation
+    reduced = (reduced + stretch.T @ organ.spring_stiffness(~carved) @ stretch).tocsr()
     # A support that the far part does not touch leaves an empty mode; a unit diagonal keeps the factorisation going.
     empty = np.flatnonzero(reduced.diagonal() == 0.0)
     reduced = reduced + sparse.csr_matrix((np.ones(len(empty)), (empty, empty)), shape=reduced.shape)

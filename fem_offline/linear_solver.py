@@ -116,6 +116,7 @@ class Factor:
         self.n = len(row_start) - 1
         self._direct = _Pardiso(row_start, column) if pardiso_available() else None
         self._analysed = False
+        self.ready = False  # whether the last factorisation succeeded
         self._lu: linalg.SuperLU | None = None
 
     def factorise(self, values: np.ndarray) -> None:
@@ -124,6 +125,7 @@ class Factor:
         Raises:
             NotPositiveDefiniteError: a pivot is not positive.
         """
+        self.ready = False
         if self._direct is None:
             upper = sparse.csr_matrix((values, self.column, self.row_start), shape=(self.n, self.n))
             full = upper + sparse.triu(upper, 1).T
@@ -135,12 +137,14 @@ class Factor:
             if np.any(lu.U.diagonal() <= 0.0):
                 raise NotPositiveDefiniteError("a pivot of the matrix is not positive")
             self._lu = lu
+            self.ready = True
             return
         self._direct.values = np.ascontiguousarray(values, float)
         if not self._analysed:
             self._direct.call(ANALYSE)
             self._analysed = True
         self._direct.call(FACTORISE)
+        self.ready = True
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """Solve for one (n,) or several (n, k) right-hand sides."""

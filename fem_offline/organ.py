@@ -12,8 +12,11 @@ import numpy as np
 from scipy import sparse
 
 from palpate.fem_offline.assembly import ElementSystem, HessianPattern, hessian_pattern
+from palpate.fem_offline.elastic_support import elastic_support
+from palpate.fem_offline.errors import SupportError
 from palpate.fem_offline.material import Material
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
+from palpate.fem_offline.tissue import Tissue
 
 __all__ = ["SAMPLES", "TET_FACES", "Organ", "boundary_faces", "faces_held"]
 
@@ -28,9 +31,15 @@ SAMPLES = (np.array(_STEPS) + 0.25) / 4.0
 
 def boundary_faces(tets: np.ndarray) -> np.ndarray:
     """(B, 3) outward faces that belong to one tetrahedron only."""
+    return _boundary(tets)[0]
+
+
+def _boundary(tets: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Boundary faces (B, 3) and the tetrahedra (B,) that they belong to."""
     faces = tets[:, TET_FACES].reshape(-1, 3)
     _, first, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    return faces[np.sort(first[count == 1])]
+    single = np.sort(first[count == 1])
+    return faces[single], single // len(TET_FACES)
 
 
 def faces_held(points: np.ndarray, faces: np.ndarray, held: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -51,6 +60,7 @@ class Organ:
         hash: hex digest of mesh, materials and supports.
         label_at: (n, 3) m -> (n,) region labels.  With it, a tetrahedron cut by a region's border mixes the energies
             of the materials at SAMPLES, so that the border is where the scene says and not where the mesh is.
+        elastic: stiffness of elastic supports, (n, 3) m -> (n,) Pa/m, zero where there are none; None: nowhere.
     """
 
     points: np.ndarray
@@ -61,15 +71,24 @@ class Organ:
     project: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
     hash: str
     label_at: Callable[[np.ndarray], np.ndarray] | None = None
+    elastic: Callable[[np.ndarray], np.ndarray] | None = None
 
     @cached_property
     def space(self) -> QuadraticSpace:
         return quadratic_space(self.points, self.tets)
 
     @cached_property
+    def _surface(self) -> tuple[np.ndarray, np.ndarray]:
+        return _boundary(self.tets)
+
+    @property
     def faces(self) -> np.ndarray:
         """(B, 3) outward surface faces."""
-        return boundary_faces(self.tets)
+        return self._surface[0]
+
+    def surface_of(self, tets: np.ndarray) -> np.ndarray:
+        """(B', 6) quadratic nodes of the organ's surface faces that belong to tetrahedra (T,) bool."""
+        return self.space.face_nodes(self.faces[tets[self._surface[1]]])
 
     @cached_property
     def held_nodes(self) -> np.ndarray:
@@ -101,8 +120,18 @@ class Organ:
         """Pattern over all displacement components, held ones included."""
         return hessian_pattern(self.space.elements, np.zeros(3 * self.space.node_count, bool), [])
 
+    def tissue(self, space: QuadraticSpace, fraction: np.ndarray, faces: np.ndarray) -> Tissue:
+        """What stores energy on a mesh of this organ or of a part of it.
+
+        Args:
+            fraction: (T, M); share of each material in its tetrahedra.
+            faces: (B, 6) quadratic nodes of its faces on the organ's surface.
+        """
+        springs = None if self.elastic is None else elastic_support(space.nodes, faces, self.elastic)
+        return Tissue(ElementSystem(space, self.materials, fraction), springs)
+
     def rest_stiffness(self, tets: np.ndarray) -> sparse.csr_matrix:
-        """Small-strain stiffness of some tetrahedra over all components (3 N, 3 N), symmetric, N/m.
+        """Small-strain stiffness of some tetrahedra over all components (3 N, 3 N), symmetric, N/m; no supports.
 
         Args:
             tets: (T,) bool; which tetrahedra take part.
@@ -110,3 +139,20 @@ class Organ:
         system = ElementSystem(self.space, self.materials, self.fractions * tets[:, None])
         upper = self.pattern.matrix(system.hessian(np.zeros((self.space.node_count, 3)), self.pattern))
         return (upper + sparse.triu(upper, 1).T).tocsr()
+
+    def spring_stiffness(self, tets: np.ndarray) -> sparse.csr_matrix:
+        """Elastic supports under some tetrahedra (T,) bool, over all components (3 N, 3 N), N/m."""
+        faces, count = self.surface_of(tets), self.space.node_count
+        springs = None if self.elastic is None else elastic_support(self.space.nodes, faces, self.elastic)
+        return sparse.csr_matrix((3 * count, 3 * count)) if springs is None else springs.matrix(count)
+
+    def require_support(self) -> None:
+        """Raise SupportError where nothing holds the organ: one face, fixed or on springs, is enough."""
+        on_springs = self.elastic is not None and faces_held(
+            self.points, self.faces, lambda x: self.elastic(x) > 0.0
+        )
+        if not len(self.held_nodes) and not np.any(on_springs):
+            raise SupportError(
+                "nothing holds the organ, so a press would push it away", "organ",
+                "a fixed or elastic support that covers a face of the surface",
+            )  # fmt: skip

@@ -106,10 +106,12 @@ def open_site(
 
     Raises:
         PatchError: the patch could not be meshed.
+        SupportError: nothing holds the organ.
         ValueError: an unknown fidelity.
     """
     if fidelity not in FIDELITIES:
         raise ValueError(f"fidelity is {fidelity!r}; it must be one of {', '.join(FIDELITIES)}")
+    organ.require_support()
     points, normals = organ.project(np.asarray(near_point, float)[None])
     centre, normal = points[0], normals[0]
     carved = carve(organ, centre, size.radius)

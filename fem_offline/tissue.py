@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""What stores energy on one mesh: tetrahedra, a capsule on their surface, springs under it.
+
+W(u) = W_tetrahedra(u) + W_capsule(u) + W_springs(u)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from palpate.fem_offline.assembly import ElementState, ElementSystem, HessianPattern
+from palpate.fem_offline.contact import face_places
+from palpate.fem_offline.elastic_support import ElasticSupport
+from palpate.fem_offline.quadratic_space import QuadraticSpace
+
+__all__ = ["Tissue"]
+
+
+@dataclass
+class Tissue:
+    """Tetrahedra with what acts on their surface.
+
+    Attributes:
+        elements: the tetrahedra.
+        springs: elastic supports, or None.
+    """
+
+    elements: ElementSystem
+    springs: ElasticSupport | None = None
+    _spring_places: dict[int, tuple[HessianPattern, np.ndarray]] = field(init=False, default_factory=dict)
+
+    @property
+    def space(self) -> QuadraticSpace:
+        return self.elements.space
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """(N, 3) m."""
+        return self.elements.space.nodes
+
+    def state(self, u: np.ndarray) -> ElementState:
+        """Energy and nodal forces at u (N, 3) m."""
+        state = self.elements.state(u)
+        if self.springs is not None:
+            energy, force = self.springs.state(u)
+            state = ElementState(state.energy + energy, state.force + force, state.smallest_jacobian)
+        return state
+
+    def hessian(self, u: np.ndarray, pattern: HessianPattern) -> np.ndarray:
+        """Values of the Hessian's upper triangle, N/m, on the pattern."""
+        values = self.elements.hessian(u, pattern)
+        if self.springs is not None:
+            self.springs.hessian().add_to(values, self._places(pattern))
+        return values
+
+    def _places(self, pattern: HessianPattern) -> np.ndarray:
+        if id(pattern) not in self._spring_places:
+            self._spring_places = {id(pattern): (pattern, face_places(pattern, self.springs.surface.faces))}
+        return self._spring_places[id(pattern)][1]
+
+    def ground_reaction(self, u: np.ndarray) -> np.ndarray:
+        """(6,) N, N m; force of the springs' ground on the tissue and its moment about the origin."""
+        return np.zeros(6) if self.springs is None else self.springs.reaction(u)

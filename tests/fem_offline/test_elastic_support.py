@@ -11,7 +11,6 @@ from palpate.fem_offline.elastic_support import elastic_support
 from palpate.fem_offline.equilibrium import equilibrate
 from palpate.fem_offline.errors import SupportError
 from palpate.fem_offline.material import NeoHookean
-from palpate.fem_offline.press import press
 from palpate.fem_offline.site import open_site, patch_size
 from palpate.fem_offline.tool import Sphere
 from palpate.fem_offline.verification.blocks import block_organ
@@ -20,7 +19,7 @@ SIZE = np.array([0.05, 0.05, 0.025])
 SOFT = NeoHookean(5400.0, 0.48)
 TOOL = Sphere(5e-3)
 PLACE = np.array([2e-3, 1e-3, 0.0])
-DEPTHS = np.array([0.6e-3, 1.2e-3])
+DEPTH = 1e-3
 
 
 def nothing(points):
@@ -101,42 +100,33 @@ def test_a_face_with_one_corner_off_the_support_has_no_springs():
     assert elastic_support(organ.space.nodes, springs.surface.faces, lambda x: np.zeros(len(x))) is None
 
 
-@pytest.fixture(scope="module")
-def size():
-    return patch_size(TOOL, DEPTHS[-1], radius=0.01)
+SITE = patch_size(TOOL, DEPTH, radius=0.01)
 
 
-@pytest.fixture(scope="module")
-def presses(size):
-    """Bonded, and on springs from stiff to soft (Pa/m)."""
+def pressed(organ, size=SITE, fidelity="near_field"):
+    """Site, tool position and frictionless equilibrium DEPTH deep."""
+    site = open_site(organ, PLACE, TOOL, size, fidelity)
+    position = site.contact_point + (TOOL.radius - DEPTH) * site.normal
+    contact = Unilateral(site.surface, TOOL, 8e3 * site.youngs_modulus, position)
+    return site, position, equilibrate(site.body, contact, np.zeros_like(site.body.nodes), 1e-10, 1e-6)
+
+
+def test_springs_soften_and_stiff_ones_hold_like_a_fixed_support():
     bonded = block_organ(tuple(SIZE), (5, 5, 3), {0: SOFT})
-    organs = {"bonded": bonded, **{k: on_springs(k) for k in (1e10, 1e7, 1e5)}}
-    return {k: press(open_site(organ, PLACE, TOOL, size), TOOL, DEPTHS) for k, organ in organs.items()}
-
-
-def test_an_organ_on_springs_alone_is_pressed(presses):
-    for record in presses.values():
-        assert record.converged, record.reason
-        assert record.reaction_error.max() < 1e-8
-
-
-def test_springs_soften_and_stiff_ones_hold_like_a_fixed_support(presses):
-    force = {k: record.force[-1] for k, record in presses.items()}
-    assert force["bonded"] > force[1e10] > force[1e7] > force[1e5]
-    assert force[1e10] == pytest.approx(force["bonded"], rel=1e-3)
-    assert force[1e5] < 0.9 * force["bonded"]
+    organs = [bonded, *(on_springs(k) for k in (1e10, 1e7, 1e5))]
+    force = [pressed(organ)[2].contact.force[2] for organ in organs]
+    assert force[0] > force[1] > force[2] > force[3]
+    assert force[1] == pytest.approx(force[0], rel=1e-3)
+    assert force[3] < 0.9 * force[0]
 
 
 @pytest.mark.parametrize("fidelity", ["near_field", "full"])
-def test_force_and_moment_of_the_ground_are_those_on_the_tool(size, fidelity):
-    """Springs under the base, behind the patch, and on the patch's own surface, 8 mm and more beside the tool."""
+def test_force_and_moment_of_the_ground_are_those_on_the_tool(fidelity):
+    """Springs alone: under the base, behind the patch, and on the patch itself, 8 mm and more beside the tool."""
     organ = on_springs(1e6)
     both = replace(organ, elastic=lambda x: organ.elastic(x) + np.where(x[:, 0] < -6e-3, 1e5, 0.0))
-    site = open_site(both, PLACE, TOOL, replace(size, radius=0.014), fidelity)
+    site, position, found = pressed(both, replace(SITE, radius=0.014), fidelity)
     assert site.body.tissue.springs is not None and not site.patch.carved.all()
-    position = site.contact_point + (TOOL.radius - 1e-3) * site.normal
-    contact = Unilateral(site.surface, TOOL, 8e3 * site.youngs_modulus, position)
-    found = equilibrate(site.body, contact, np.zeros_like(site.body.nodes), 1e-10, 1e-6)
     reaction = site.body.support_reaction(found.u, found.elastic)
     force = found.contact.force
     about_origin = found.contact.moment + np.cross(position, force)
@@ -144,8 +134,8 @@ def test_force_and_moment_of_the_ground_are_those_on_the_tool(size, fidelity):
     assert reaction[3:] == pytest.approx(about_origin, abs=1e-8 * np.linalg.norm(force) * SIZE[0])
 
 
-def test_an_organ_that_nothing_holds_is_refused(size):
+def test_an_organ_that_nothing_holds_is_refused():
     organ = on_springs(1e5)
     for elastic in (None, lambda x: np.zeros(len(x))):
         with pytest.raises(SupportError, match="nothing holds the organ"):
-            open_site(replace(organ, elastic=elastic), PLACE, TOOL, size)
+            open_site(replace(organ, elastic=elastic), PLACE, TOOL, SITE)

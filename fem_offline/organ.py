@@ -12,9 +12,10 @@ import numpy as np
 from scipy import sparse
 
 from palpate.fem_offline.assembly import ElementSystem, HessianPattern, hessian_pattern
-from palpate.fem_offline.elastic_support import elastic_support
+from palpate.fem_offline.elastic_support import ElasticSupport, elastic_support
 from palpate.fem_offline.errors import SupportError
 from palpate.fem_offline.material import Material
+from palpate.fem_offline.membrane import Capsule, Membrane
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 from palpate.fem_offline.tissue import Tissue
 
@@ -57,9 +58,10 @@ class Organ:
         label: (T,) region label of each tetrahedron (of its middle, where `label_at` is given).
         held: predicate of fixed supports, (n, 3) m -> (n,) bool; surface faces inside it are fixed.
         project: (n, 3) m -> points on the smooth surface and outward unit normals, both (n, 3).
-        hash: hex digest of mesh, materials and supports.
+        hash: hex digest of mesh, materials, capsule and supports.
         label_at: (n, 3) m -> (n,) region labels.  With it, a tetrahedron cut by a region's border mixes the energies
             of the materials at SAMPLES, so that the border is where the scene says and not where the mesh is.
+        capsule: membrane that covers the whole surface, or None.
         elastic: stiffness of elastic supports, (n, 3) m -> (n,) Pa/m, zero where there are none; None: nowhere.
     """
 
@@ -71,6 +73,7 @@ class Organ:
     project: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
     hash: str
     label_at: Callable[[np.ndarray], np.ndarray] | None = None
+    capsule: Capsule | None = None
     elastic: Callable[[np.ndarray], np.ndarray] | None = None
 
     @cached_property
@@ -127,23 +130,36 @@ class Organ:
             fraction: (T, M); share of each material in its tetrahedra.
             faces: (B, 6) quadratic nodes of its faces on the organ's surface.
         """
-        springs = None if self.elastic is None else elastic_support(space.nodes, faces, self.elastic)
-        return Tissue(ElementSystem(space, self.materials, fraction), springs)
+        skin, springs = self._skin(space.nodes, faces), self._springs(space.nodes, faces)
+        return Tissue(ElementSystem(space, self.materials, fraction), skin, springs)
+
+    def _skin(self, nodes: np.ndarray, faces: np.ndarray) -> Membrane | None:
+        return None if self.capsule is None or not len(faces) else Membrane(nodes, faces, self.capsule)
+
+    def _springs(self, nodes: np.ndarray, faces: np.ndarray) -> ElasticSupport | None:
+        return None if self.elastic is None else elastic_support(nodes, faces, self.elastic)
 
     def rest_stiffness(self, tets: np.ndarray) -> sparse.csr_matrix:
-        """Small-strain stiffness of some tetrahedra over all components (3 N, 3 N), symmetric, N/m; no supports.
+        """Small-strain stiffness of some tetrahedra and the capsule on them over all components (3 N, 3 N), N/m.
+
+        Symmetric, without supports: rigid motions meet no force.
 
         Args:
             tets: (T,) bool; which tetrahedra take part.
         """
+        nothing = np.zeros((self.space.node_count, 3))
         system = ElementSystem(self.space, self.materials, self.fractions * tets[:, None])
-        upper = self.pattern.matrix(system.hessian(np.zeros((self.space.node_count, 3)), self.pattern))
+        values = system.hessian(nothing, self.pattern)
+        skin = self._skin(self.space.nodes, self.surface_of(tets))
+        if skin is not None:
+            values += skin.hessian(nothing, self.pattern)
+        upper = self.pattern.matrix(values)
         return (upper + sparse.triu(upper, 1).T).tocsr()
 
     def spring_stiffness(self, tets: np.ndarray) -> sparse.csr_matrix:
         """Elastic supports under some tetrahedra (T,) bool, over all components (3 N, 3 N), N/m."""
-        faces, count = self.surface_of(tets), self.space.node_count
-        springs = None if self.elastic is None else elastic_support(self.space.nodes, faces, self.elastic)
+        count = self.space.node_count
+        springs = self._springs(self.space.nodes, self.surface_of(tets))
         return sparse.csr_matrix((3 * count, 3 * count)) if springs is None else springs.matrix(count)
 
     def require_support(self) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from palpate.fem_offline.assembly import ElementState, ElementSystem, HessianPattern
 from palpate.fem_offline.contact import face_places
 from palpate.fem_offline.elastic_support import ElasticSupport
+from palpate.fem_offline.membrane import Membrane
 from palpate.fem_offline.quadratic_space import QuadraticSpace
 
 __all__ = ["Tissue"]
@@ -25,10 +26,12 @@ class Tissue:
 
     Attributes:
         elements: the tetrahedra.
+        capsule: membrane on the organ's surface, or None.
         springs: elastic supports, or None.
     """
 
     elements: ElementSystem
+    capsule: Membrane | None = None
     springs: ElasticSupport | None = None
     _spring_places: dict[int, tuple[HessianPattern, np.ndarray]] = field(init=False, default_factory=dict)
 
@@ -44,14 +47,20 @@ class Tissue:
     def state(self, u: np.ndarray) -> ElementState:
         """Energy and nodal forces at u (N, 3) m."""
         state = self.elements.state(u)
+        energy, force = state.energy, state.force
+        if self.capsule is not None:
+            skin = self.capsule.state(u)
+            energy, force = energy + skin.energy, force + skin.force
         if self.springs is not None:
-            energy, force = self.springs.state(u)
-            state = ElementState(state.energy + energy, state.force + force, state.smallest_jacobian)
-        return state
+            stored, pull = self.springs.state(u)
+            energy, force = energy + stored, force + pull
+        return ElementState(energy, force, state.smallest_jacobian)
 
     def hessian(self, u: np.ndarray, pattern: HessianPattern) -> np.ndarray:
         """Values of the Hessian's upper triangle, N/m, on the pattern."""
         values = self.elements.hessian(u, pattern)
+        if self.capsule is not None:
+            values += self.capsule.hessian(u, pattern)
         if self.springs is not None:
             self.springs.hessian().add_to(values, self._places(pattern))
         return values

@@ -12,7 +12,7 @@ from palpate.fem_offline.equilibrium import equilibrate
 from palpate.fem_offline.errors import SupportError
 from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.site import open_site, patch_size
-from palpate.fem_offline.tool import Sphere
+from palpate.fem_offline.tool import Pose, Sphere
 from palpate.fem_offline.verification.blocks import block_organ
 
 SIZE = np.array([0.05, 0.05, 0.025])
@@ -107,7 +107,7 @@ def pressed(organ, size=SITE, fidelity="near_field"):
     """Site, tool position and frictionless equilibrium DEPTH deep."""
     site = open_site(organ, PLACE, TOOL, size, fidelity)
     position = site.contact_point + (TOOL.radius - DEPTH) * site.normal
-    contact = Unilateral(site.surface, TOOL, 8e3 * site.youngs_modulus, position)
+    contact = Unilateral(site.surface, TOOL, 8e3 * site.youngs_modulus, Pose(position, np.eye(3)))
     return site, position, equilibrate(site.body, contact, np.zeros_like(site.body.nodes), 1e-10, 1e-6)
 
 

@@ -24,6 +24,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from palpate.fem_offline.material_check import Stability, stability
 from palpate.fem_offline.material_density import density
 from palpate.fem_offline.material_table import FULL_SHARE, LINEAR, OGDEN, POLYNOMIAL, VERONDA_WESTMANN
 
@@ -34,10 +35,12 @@ __all__ = [
     "MooneyRivlin",
     "NeoHookean",
     "Ogden",
+    "Stability",
     "VerondaWestmann",
     "Yeoh",
     "density",
     "lame_parameters",
+    "stability",
 ]
 
 

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-__all__ = ["CalculixError", "CalculixMissingError", "run_calculix", "total_forces"]
+__all__ = ["PACKAGE", "CalculixError", "CalculixMissingError", "run_calculix", "total_forces"]
 
-PROGRAM = "ccx"
+PROGRAM, PACKAGE = "ccx", "CalculiX (Debian: calculix-ccx)"
 SECONDS_MAX = 600.0
 
 

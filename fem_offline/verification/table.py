@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from palpate.fem_offline.verification.calculix_rows import calculix_rows, tool_size_rows
 from palpate.fem_offline.verification.elements import element_rows
 from palpate.fem_offline.verification.fidelity import fidelity_rows
 from palpate.fem_offline.verification.half_space import (
@@ -21,8 +22,10 @@ from palpate.fem_offline.verification.half_space import (
     press_half_space,
     refinement_row,
 )
+from palpate.fem_offline.verification.layer_rows import layer_rows
 from palpate.fem_offline.verification.locking import locking_rows
 from palpate.fem_offline.verification.materials import material_rows
+from palpate.fem_offline.verification.nodule import nodule_rows
 from palpate.fem_offline.verification.potential import lateral_rows
 from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.sticking_disc import sticking_rows
@@ -58,6 +61,10 @@ def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "large indentation", _large_indentation
     yield "sticking", sticking_rows
     yield "fidelity", fidelity_rows
+    yield "bonded layers", layer_rows
+    yield "nodule", nodule_rows
+    yield "CalculiX", calculix_rows
+    yield "tool size", tool_size_rows
 
 
 def _half_space(everything: bool) -> Iterator[Row]:

@@ -25,7 +25,6 @@ from palpate.fem_offline.verification.half_space import (
 from palpate.fem_offline.verification.layer_rows import layer_rows
 from palpate.fem_offline.verification.locking import locking_rows
 from palpate.fem_offline.verification.materials import material_rows
-from palpate.fem_offline.verification.nodule import nodule_rows
 from palpate.fem_offline.verification.potential import lateral_rows
 from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.sticking_disc import sticking_rows
@@ -62,7 +61,6 @@ def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "sticking", sticking_rows
     yield "fidelity", fidelity_rows
     yield "bonded layers", layer_rows
-    yield "nodule", nodule_rows
     yield "CalculiX", calculix_rows
     yield "tool size", tool_size_rows
 

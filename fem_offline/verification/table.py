@@ -27,6 +27,7 @@ from palpate.fem_offline.verification.locking import locking_rows
 from palpate.fem_offline.verification.materials import material_rows
 from palpate.fem_offline.verification.potential import lateral_rows
 from palpate.fem_offline.verification.row import Row
+from palpate.fem_offline.verification.second_code import second_code_rows
 from palpate.fem_offline.verification.sticking_disc import sticking_rows
 
 __all__ = ["table"]
@@ -46,6 +47,7 @@ def table(everything: bool) -> Iterator[Row]:
 def _fast() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "elements", element_rows
     yield "materials", material_rows
+    yield "a second code", second_code_rows
     yield "locking", lambda: locking_rows(confined=False)
     yield "half space", lambda: _half_space(everything=False)
     yield "lateral push", lambda: lateral_rows(anew=False)
@@ -54,6 +56,7 @@ def _fast() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
 def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "elements", element_rows
     yield "materials", material_rows
+    yield "a second code", second_code_rows
     yield "locking", lambda: locking_rows(confined=True)
     yield "half space", lambda: _half_space(everything=True)
     yield "lateral push", lambda: lateral_rows(anew=True)

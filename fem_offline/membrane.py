@@ -104,10 +104,12 @@ def in_plane(
 
 
 @wp.func
-def stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)) -> wp.mat33d:
-    """P, Pa."""
+def energy_and_stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)):
+    """psi (float64) and P (mat33d), Pa."""
     kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
-    return law.isochoric_stress(F, table, 0) + law.volumetric_stress(F, table, 0, kappa)
+    psi, P = law.volumetric(F, table, 0, kappa)
+    psi_iso, P_iso = law.isochoric(F, table, 0)
+    return psi + psi_iso, P + P_iso
 
 
 @wp.func
@@ -115,13 +117,6 @@ def tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)) -> mat9x9:
     """A = dP/dF, Pa."""
     kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
     return law.isochoric_tangent(F, table, 0) + law.volumetric_tangent(F, table, 0, kappa)
-
-
-@wp.func
-def energy_density(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)) -> wp.float64:
-    """psi, Pa."""
-    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
-    return law.isochoric_energy(F, table, 0) + law.volumetric_energy(F, table, 0, kappa)
 
 
 @wp.func
@@ -157,7 +152,8 @@ def thickness_vector(F: wp.mat33d, E: wp.vec3d, N: wp.vec3d, table: wp.array2d(d
     f = c / wp.dot(c, c)
     for _step in range(ITERATIONS):
         G = F + wp.outer(f, N)
-        r = stress(G, table) * N
+        _psi, P = energy_and_stress(G, table)
+        r = P * N
         d = -(wp.inverse(normal_block(normal_columns(tangent(G, table), N), N)) * r)
         if int(table[0, t.MODEL]) != t.LINEAR:
             if wp.dot(r, d) > wp.float64(0.0):  # not convex here: downhill by a quarter of the thickness
@@ -199,10 +195,10 @@ def energy_and_force(
         f = thickness_vector(F, E, N, table)
         thickness[b, q] = wp.length(f)
         F += wp.outer(f, N)
-        W += weights[b] * energy_density(F, table)
-        P = stress(F, table) * weights[b]
+        psi, P = energy_and_stress(F, table)
+        W += weights[b] * psi
         for a in range(6):
-            g = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
+            g = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]) * weights[b]
             for i in range(3):
                 local[a, i] = local[a, i] + g[i]
     energy[b] = W

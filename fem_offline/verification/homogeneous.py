@@ -6,7 +6,7 @@
 
 tau_a from the principal stretches (principal_energy.py), n_a the principal axes of B = F F^T.
 
-Uniaxial, F = diag(l, m, m), m from P_side = 0; equibiaxial, F = diag(l, l, m), m from P_thickness = 0.
+Uniaxial, F = diag(l, m, m), m from P_side = 0; plane stress, F = diag(l1, l2, m), m from P_thickness = 0.
 Stretch and shear, F = (1 + g e_x (x) e_y) diag(l1, l2, l3): the block of B in the x-y plane has
 
     p = (Bxx + Byy)/2,   q = (Bxx - Byy)/2,   r = hypot(q, Bxy)
@@ -25,7 +25,7 @@ from scipy.optimize import brentq
 from palpate.fem_offline.material import Linear, Material
 from palpate.fem_offline.principal_energy import principal_energy
 
-__all__ = ["HomogeneousState", "equibiaxial", "stretch_and_shear", "uniaxial"]
+__all__ = ["HomogeneousState", "equibiaxial", "plane_stress", "stretch_and_shear", "uniaxial"]
 
 
 @dataclass(frozen=True)
@@ -49,13 +49,18 @@ def uniaxial(material: Material, stretch: float) -> HomogeneousState:
 
 def equibiaxial(material: Material, stretch: float) -> HomogeneousState:
     """Stretched along x and y alike, free along z."""
+    return plane_stress(material, (stretch, stretch))
+
+
+def plane_stress(material: Material, stretch: tuple[float, float]) -> HomogeneousState:
+    """Stretched along x and y, free along z."""
 
     def at(thickness: float) -> HomogeneousState:
-        return stretch_and_shear(material, (stretch, stretch, thickness), 0.0)
+        return stretch_and_shear(material, (*stretch, thickness), 0.0)
 
     nu = material.poissons_ratio
-    linear = 1.0 - 2.0 * nu / (1.0 - nu) * (stretch - 1.0)
-    guess = linear if isinstance(material, Linear) else stretch**-2.0
+    linear = 1.0 - nu / (1.0 - nu) * (stretch[0] + stretch[1] - 2.0)
+    guess = linear if isinstance(material, Linear) else 1.0 / (stretch[0] * stretch[1])
     return at(_free(lambda thickness: at(thickness).P[2, 2], guess))
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from palpate.fem_offline.verification.calculix_rows import calculix_rows, tool_size_rows
+from palpate.fem_offline.verification.covered_half_space import covered_rows
 from palpate.fem_offline.verification.elements import element_rows
 from palpate.fem_offline.verification.fidelity import fidelity_rows
 from palpate.fem_offline.verification.half_space import (
@@ -28,6 +29,7 @@ from palpate.fem_offline.verification.materials import material_rows
 from palpate.fem_offline.verification.potential import lateral_rows
 from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.second_code import second_code_rows
+from palpate.fem_offline.verification.sheet import sheet_rows
 from palpate.fem_offline.verification.sticking_disc import sticking_rows
 
 __all__ = ["table"]
@@ -47,6 +49,7 @@ def table(everything: bool) -> Iterator[Row]:
 def _fast() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "elements", element_rows
     yield "materials", material_rows
+    yield "capsule", sheet_rows
     yield "a second code", second_code_rows
     yield "locking", lambda: locking_rows(confined=False)
     yield "half space", lambda: _half_space(everything=False)
@@ -56,12 +59,14 @@ def _fast() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
 def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "elements", element_rows
     yield "materials", material_rows
+    yield "capsule", sheet_rows
     yield "a second code", second_code_rows
     yield "locking", lambda: locking_rows(confined=True)
     yield "half space", lambda: _half_space(everything=True)
     yield "lateral push", lambda: lateral_rows(anew=True)
     yield "large indentation", _large_indentation
     yield "sticking", sticking_rows
+    yield "covered half space", covered_rows
     yield "fidelity", fidelity_rows
     yield "bonded layers", layer_rows
     yield "CalculiX", calculix_rows

@@ -187,4 +187,6 @@ def _string(stretch: float) -> Row:
     v = np.outer(w, one.frame[2]).ravel()
     tension, length = expected.P[0, 0] * THICKNESS * WIDTH, stretch * LENGTH
     name = f"capsule: transverse stiffness, stretch {stretch:g}"
-    return against(name, "string equation", float(v @ (one.stiffness(u) @ v)), 16.0 * tension / (3.0 * length), 1e-8)
+    return against(
+        name, "string equation", float(v @ (one.stiffness(u) @ v)), 16.0 * tension / (3.0 * length), 1e-8
+    )

@@ -44,8 +44,8 @@ class Sphere:
         return self.radius
 
     def contact_size(self, depth: float, rotation: np.ndarray | None = None) -> float:
-        """Hertz' contact radius sqrt(R d), m, at a depth m."""
-        return float(np.sqrt(self.radius * depth))
+        """Hertz' contact radius sqrt(R d), m, at a depth m; no more than R."""
+        return float(np.sqrt(self.radius * min(depth, self.radius)))
 
     def contact_extent(self, depth: float, rotation: np.ndarray | None = None) -> float:
         """m around the contact point that contain every part of the surface that touches, however deep."""

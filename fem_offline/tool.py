@@ -18,18 +18,25 @@ from typing import Protocol
 import numpy as np
 
 from palpate.fem_offline.pose import Pose, ToolDistance, tangents, tilted
+from palpate.fem_offline.round_tools import Capsule, Cone, Cylinder, FlatPunch
 from palpate.fem_offline.sphere import Sphere
 
-__all__ = ["Pose", "Sphere", "Tool", "ToolDistance", "tangents", "tilted"]
+__all__ = [
+    "Capsule",
+    "Cone",
+    "Cylinder",
+    "FlatPunch",
+    "Pose",
+    "Sphere",
+    "Tool",
+    "ToolDistance",
+    "tangents",
+    "tilted",
+]
 
 
 class Tool(Protocol):
     """What a press needs to know of a tool."""
-
-    @property
-    def contact_radius(self) -> float:
-        """m; the length that steps of a press are measured in: radius of curvature of a round tip."""
-        ...
 
     def distance(self, points: np.ndarray, pose: Pose) -> ToolDistance:
         """Gap of points (n, 3) m, with its gradient and Hessian, in the organ's frame."""

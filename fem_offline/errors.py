@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-__all__ = ["MeshError", "SupportError", "SurfaceError"]
+__all__ = ["MeshError", "SupportError", "SurfaceError", "ToolError"]
 
 
 class _Refusal(ValueError):
@@ -28,3 +28,7 @@ class MeshError(_Refusal):
 
 class SupportError(_Refusal):
     """Nothing holds the organ: a press would push it away."""
+
+
+class ToolError(_Refusal):
+    """A tool's mesh cannot be used as it is."""

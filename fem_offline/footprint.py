@@ -9,7 +9,7 @@ edge and a mesh it is as good a guess as any.  Sections are found on a grid that
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +28,11 @@ _HEIGHTS = (0.25, 0.5, 0.75, 1.0)
 """Shares of the depth at which sections are looked at for the extent."""
 
 
+EDGE = 0.5
+"""A rim is an edge where the tool's radius of curvature is less than this share of the contact's size: pressure peaks
+there, the more the sharper it is."""
+
+
 @dataclass(frozen=True)
 class Footprint:
     """The contact on a plane with normal e_z through the contact point.
@@ -36,14 +41,14 @@ class Footprint:
         size: m; radius of the largest circle in the contact: its radius, or half its width.
         extent: m; radius around the contact point that contains it.
         spine: (m, 2) m from the contact point; points of the contact that are farther than 0.8 `size` from its rim.
-        rim: (k, 2) m; points on its rim.  bend: (k,) m; smallest radius of curvature of the tool there.
+        edge: (k, 2) m; points on the rim where the tool has an edge.  edge_radius: m, the sharpest; inf without edges.
     """
 
     size: float
     extent: float
     spine: np.ndarray
-    rim: np.ndarray
-    bend: np.ndarray
+    edge: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    edge_radius: float = np.inf
 
 
 def footprint(tool: Tool, depth: float, rotation: np.ndarray) -> Footprint:
@@ -71,12 +76,14 @@ def footprint(tool: Tool, depth: float, rotation: np.ndarray) -> Footprint:
             within = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1] * cell
             size = max(float(within.max()) - 0.5 * cell, cell)
             spine = within >= 0.8 * within.max()
-            rim = inside & (within < 1.5 * cell)
             spine_points = np.stack([x[spine], y[spine]], axis=1)
+            rim = inside & (within < 1.5 * cell)
             rim_points = np.stack([x[rim], y[rim]], axis=1)
             on_rim = np.column_stack([rim_points, np.full(len(rim_points), share * depth)])
-    steepest = np.linalg.eigvalsh(tool.distance(on_rim, pose).curvature)[:, -1]
-    return Footprint(size, extent, spine_points, rim_points, 1.0 / np.maximum(steepest, 1e-9))
+    bend = 1.0 / np.maximum(np.linalg.eigvalsh(tool.distance(on_rim, pose).curvature)[:, -1], 1e-9)
+    sharp = bend < EDGE * size
+    radius = float(bend[sharp].min()) if sharp.any() else np.inf
+    return Footprint(size, extent, spine_points, rim_points[sharp], radius)
 
 
 def _section(

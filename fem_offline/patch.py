@@ -9,7 +9,8 @@ press).  Refinement: mmg3d (Dapogny, Dobrzynski and Frey 2014) through mmgpy.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy import sparse
@@ -18,6 +19,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from palpate.fem_offline.organ import TET_FACES, Organ, boundary_faces
+from palpate.fem_offline.pose import tangents
 
 __all__ = ["Patch", "PatchError", "PatchSize", "carve", "refine"]
 
@@ -39,6 +41,9 @@ class PatchSize:
         core: m.
         growth: edge length gained per metre beyond the core.
         coarsest: m.
+        extent: m; what may touch lies this near the contact.
+        spine: (m, 2) m along the contact's tangents (pose.py); the core is around each of these points.
+        rim: (k, 2) m likewise; edges are `rim_finest` (m) at these.
     """
 
     radius: float
@@ -46,6 +51,26 @@ class PatchSize:
     core: float
     growth: float
     coarsest: float
+    extent: float = 0.0
+    spine: np.ndarray = field(default_factory=lambda: np.zeros((1, 2)))
+    rim: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
+    rim_finest: float = 0.0
+
+    def on(self, organ: Organ, centre: np.ndarray, normal: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        """Edge length m of points (n, 3) m around a contact, with spine and rim laid onto the surface."""
+        frame = tangents(normal)
+        spine = organ.project(centre + self.spine @ frame)[0]
+        tree = cKDTree(spine)
+        rim = cKDTree(organ.project(centre + self.rim @ frame)[0]) if len(self.rim) else None
+
+        def edge_length(points: np.ndarray) -> np.ndarray:
+            target = self.finest + self.growth * (tree.query(points)[0] - self.core)
+            target = np.maximum(target, self.finest)
+            if rim is not None:
+                target = np.minimum(target, self.rim_finest + self.growth * rim.query(points)[0])
+            return np.minimum(target, self.coarsest)
+
+        return edge_length
 
 
 @dataclass(frozen=True)
@@ -90,7 +115,7 @@ def carve(organ: Organ, centre: np.ndarray, radius: float) -> np.ndarray:
 
 
 def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize, passes: int = 3) -> Patch:
-    """Refine carved tetrahedra towards `centre` and lay their outer faces onto the smooth surface.
+    """Refine carved tetrahedra towards `centre` (on the surface) and lay their outer faces onto the smooth surface.
 
     Raises:
         PatchError: mmg failed, or a tetrahedron ended inverted.
@@ -107,9 +132,10 @@ def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize
     interface = ids[np.unique(faces[~outer])]
     face_kind = np.where(outer, OUTER, INTERFACE)
     quality = 0.0
+    edge_length = size.on(organ, centre, organ.project(centre[None])[1][0])
     for step in range(passes):
         points, tets, label, faces, face_kind, quality = _remesh(
-            points, tets, label, faces, face_kind, centre, size
+            points, tets, label, faces, face_kind, centre, size.growth, edge_length
         )
         points = _lay_on_surface(points, tets, faces, face_kind, organ, step == passes - 1)
     volumes = _volumes(points, tets)
@@ -150,7 +176,7 @@ def _volumes(points: np.ndarray, tets: np.ndarray) -> np.ndarray:
     return np.linalg.det(x[:, 1:] - x[:, :1]) / 6.0
 
 
-def _remesh(points, tets, label, faces, face_kind, centre, size: PatchSize):
+def _remesh(points, tets, label, faces, face_kind, centre, growth: float, edge_length):
     import mmgpy
 
     mesh = mmgpy.MmgMesh3D()
@@ -161,12 +187,10 @@ def _remesh(points, tets, label, faces, face_kind, centre, size: PatchSize):
     required = np.flatnonzero(face_kind == INTERFACE)
     if len(required):
         mesh.set_required_triangles(required.astype(np.int32))
-    away = np.linalg.norm(points - centre, axis=1) - size.core
-    target = np.clip(size.finest + size.growth * away, size.finest, size.coarsest)
-    mesh["metric"] = (target / MILLIMETRE)[:, None]
+    mesh["metric"] = (edge_length(points) / MILLIMETRE)[:, None]
     try:
         # hgradreq -1: else the interface's coarse triangles spread their size inwards and the contact stays coarse
-        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 2.5 * size.growth, hgradreq=-1.0, verbose=-1)
+        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 2.5 * growth, hgradreq=-1.0, verbose=-1)
     except RuntimeError as error:
         raise PatchError(f"mmg failed at {centre}: {error}") from error
     tets, refs = mesh.get_tetrahedra_with_refs()

@@ -24,6 +24,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from palpate.fem_offline.clearance import why_not_placed, why_stray
 from palpate.fem_offline.contact import Sticking, Unilateral
 from palpate.fem_offline.coulomb import Coulomb, FrictionCheck
 from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equilibrate
@@ -53,7 +54,7 @@ class PressSettings:
         penalty: contact penalty over E, 1/m (8 per mm; see contact.py).
         updates: multiplier updates at each recorded depth; multipliers are extrapolated in depth as well.
         tolerance: residual over force at recorded states.
-        step: largest move of the tool between equilibria over its contact radius.
+        step: largest move of the tool between equilibria over the size of the contact at the deepest state.
         halvings: how often a failed step is halved before the press stops.
         sticking_penalty: multiple of `penalty` that holds sticking points.
         reaction_tolerance: action against reaction above which a state is refused.
@@ -167,12 +168,13 @@ class PressRecord:
 
 @dataclass
 class _Ladder:
-    """A tool on its way in: the last equilibria, for extrapolation."""
+    """A tool on its way in: the last equilibria, for extrapolation; `size` (m) of the contact at the deepest."""
 
     site: Site
     tool: Tool
     settings: PressSettings
     contact: Unilateral
+    size: float
     depth: list[float] = field(default_factory=lambda: [0.0])
     u: list[np.ndarray] = field(default_factory=list)
     pressure: list[np.ndarray] = field(default_factory=list)
@@ -189,7 +191,7 @@ class _Ladder:
 
     @property
     def force_floor(self) -> float:
-        return 1e-4 * self.site.youngs_modulus * self.tool.contact_radius**2
+        return 1e-4 * self.site.youngs_modulus * self.size**2
 
     def step_to(self, depth: float, recorded: bool) -> Equilibrium:
         """One equilibrium at `depth`, started by extrapolating the last two."""
@@ -230,7 +232,7 @@ class _Ladder:
 
     def _largest(self, depth: float) -> float:
         """m; longest step towards `depth`."""
-        largest = self.settings.step * self.tool.contact_radius
+        largest = self.settings.step * self.size
         if not isinstance(self.contact, Coulomb):
             return largest
         return min(largest, self.settings.growth * self.depth[-1] or depth / 8.0)
@@ -242,7 +244,7 @@ class _Ladder:
         return found
 
     def go_to(self, depth: float) -> Equilibrium:
-        """Equilibrium at `depth` in steps of at most settings.step contact radii, halved where they fail."""
+        """Equilibrium at `depth` in steps of at most settings.step contact sizes, halved where they fail."""
         largest = np.inf
         halvings = 0
         while True:
@@ -288,18 +290,26 @@ def press(
     """
     begun = time.perf_counter()
     contact = _contact(site, tool, settings, friction)
-    ladder = _Ladder(site, tool, settings, contact)
+    ladder = _Ladder(site, tool, settings, contact, site.contact_size(tool, float(depths[-1])))
     zero = np.zeros(3)
     rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
     slid = [(0.0, 0.0, 0.0, 0.0)]
     ladders: list[LateralLadder] = []
-    reason = ""
-    for index, depth in enumerate(depths):
+    reason = why_not_placed(site, tool, float(depths[-1]))
+    for index, depth in enumerate(depths if not reason else []):
+        if depth >= site.thickness:
+            reason = (
+                f"{depth * 1e3:.2f} mm is deeper than the tissue, {site.thickness * 1e3:.2f} mm thick here"
+            )
+            break
         try:
             found = ladder.go_to(float(depth))
             mismatch = _reaction_error(site, found)
             if mismatch > settings.reaction_tolerance:
                 reason = f"action and reaction differ by {mismatch:.1e} at {depth * 1e3:.2f} mm"
+                break
+            reason = why_stray(site, tool, float(depth), found.u)
+            if reason:
                 break
             stuck = _sticking(site, found, contact, settings)
             wants_stiffness = index % 2 == 1 or index == len(depths) - 1

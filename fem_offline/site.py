@@ -19,7 +19,8 @@ from palpate.fem_offline.contact import ContactSurface, contact_surface
 from palpate.fem_offline.far_field import FarField, condense, interface_nodes
 from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.patch import Patch, PatchSize, carve, refine
-from palpate.fem_offline.tool import Pose, Tool, tilted
+from palpate.fem_offline.surroundings import Surroundings, surroundings
+from palpate.fem_offline.tool import Pose, Tool, tangents, tilted
 
 __all__ = ["FIDELITIES", "FarFieldStore", "Site", "far_field_key", "open_site", "patch_size"]
 
@@ -41,6 +42,8 @@ class Site:
         youngs_modulus: Pa; of the tissue at the contact.
         fidelity: near_field or full.
         rotation: (3, 3) of the tool, see `pose`.
+        thickness: m of tissue below the contact point, along -normal.
+        surroundings: the rest of the organ's surface, which the tool must not touch.
     """
 
     contact_point: np.ndarray
@@ -51,15 +54,24 @@ class Site:
     youngs_modulus: float
     fidelity: str
     rotation: np.ndarray
+    thickness: float
+    surroundings: Surroundings
 
     def pose(self, tool: Tool, depth: float) -> Pose:
         """The tool `depth` (m) deep: c + (rho - d) n, rho as far as the turned tool reaches towards the tissue."""
         offset = tool.offset_along(-self.normal @ self.rotation)
         return Pose(self.contact_point + (offset - depth) * self.normal, self.rotation)
 
+    def contact_size(self, tool: Tool, depth: float) -> float:
+        """m; radius of the tool's contact, or half its width, as it is held here."""
+        frame = np.stack([*tangents(self.normal), self.normal])
+        return tool.contact_size(depth, frame @ self.rotation)
 
-def patch_size(tool: Tool, depth_max: float, radius: float = 20e-3, refinement: float = 1.0) -> PatchSize:
-    """Edge lengths for a tool: h = 0.33 a within a of the contact, a = sqrt(R d) at the deepest state.
+
+def patch_size(
+    tool: Tool, depth_max: float, radius: float = 20e-3, refinement: float = 1.0, tilt: float = 0.0
+) -> PatchSize:
+    """Edge lengths for a tool: h = 0.33 a around the contact, a its radius or half its width at the deepest state.
 
     Edges grow by 0.5 per metre outside.  On a block (sphere of 5 mm, 5 mm deep) this is within 0.4 % of h = 0.22 a
     growing by 0.3, at every depth from 0.1 R on and a quarter of the unknowns.  A growth of 0.8 costs as little in
@@ -68,17 +80,22 @@ def patch_size(tool: Tool, depth_max: float, radius: float = 20e-3, refinement: 
 
     Args:
         depth_max: m.
-        radius: m; of the carved patch.
+        radius: m; of the carved patch, more where the contact is wide.
         refinement: divides every edge length (2: twice as fine).
+        tilt: rad, as in `open_site`.
     """
-    contact_radius = tool.contact_size(depth_max)
-    finest = 0.33 * contact_radius
+    found = tool.footprint(depth_max, tilted(np.array([0.0, 0.0, 1.0]), tilt))
+    finest = 0.33 * found.size
     return PatchSize(
-        radius=max(radius, 3.5 * contact_radius),
+        radius=max(radius, 3.5 * found.size, 2.0 * found.extent),
         finest=finest / refinement,
-        core=contact_radius,
+        core=found.size,
         growth=0.5,
         coarsest=8e-3 / refinement,
+        extent=1.4 * found.extent,
+        spine=found.spine,
+        rim=found.edge,
+        rim_finest=float(np.clip(found.edge_radius, 0.1 * found.size, finest)) / refinement,
     )
 
 
@@ -122,23 +139,32 @@ def open_site(
     order = np.argsort(shared[1])
     interface = shared[0][order][np.searchsorted(shared[1][order], far.organ_nodes)]
     held = np.union1d(held, shared[0][np.isin(shared[1], organ.held_nodes)])
-    faces = space.face_nodes(_faces_that_may_touch(patch, centre, normal, tool, size))
+    may_touch = _may_touch(patch, centre, normal, size)
+    faces = space.face_nodes(patch.outer_faces[may_touch])
     near = NearBody(organ, patch, space, held, interface, far, faces)
     # a patch that is the whole organ leaves nothing outside to be linear
     near_is_all = fidelity == "near_field" or bool(carved.all())
     body: Body = near if near_is_all else FullBody(near, organ, patch, shared)
     surface = contact_surface(space.nodes, faces)
     label = patch.label[np.argmin(np.linalg.norm(patch.points[patch.tets].mean(axis=1) - centre, axis=1))]
-    modulus = organ.material[int(label)].youngs_modulus
-    return Site(centre, normal, body, surface, patch, modulus, fidelity, tilted(normal, tilt))
+    return Site(
+        centre,
+        normal,
+        body,
+        surface,
+        patch,
+        organ.material[int(label)].youngs_modulus,
+        fidelity,
+        tilted(normal, tilt),
+        organ.thickness(centre, normal),
+        surroundings(organ, patch, space.face_nodes(patch.outer_faces[~may_touch]), space.nodes),
+    )
 
 
-def _faces_that_may_touch(
-    patch: Patch, centre: np.ndarray, normal: np.ndarray, tool: Tool, size: PatchSize
-) -> np.ndarray:
-    middle = patch.points[patch.outer_faces].mean(axis=1)
+def _may_touch(patch: Patch, centre: np.ndarray, normal: np.ndarray, size: PatchSize) -> np.ndarray:
+    """(B,) bool of the patch's outer faces."""
     x = patch.points[patch.outer_faces]
     outward = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
-    near = np.linalg.norm(middle - centre, axis=1) < 1.4 * tool.contact_radius + 3.0 * size.finest
+    near = np.linalg.norm(x.mean(axis=1) - centre, axis=1) < size.extent + 3.0 * size.finest
     # The other face of a thin lobe is near as well; it looks the other way and cannot be touched from here.
-    return patch.outer_faces[near & (outward @ normal > 0.0)]
+    return near & (outward @ normal > 0.0)

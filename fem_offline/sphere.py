@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from palpate.fem_offline.footprint import Footprint
 from palpate.fem_offline.pose import Pose, ToolDistance
 
 __all__ = ["Sphere"]
@@ -48,8 +49,12 @@ class Sphere:
         return float(np.sqrt(self.radius * min(depth, self.radius)))
 
     def contact_extent(self, depth: float, rotation: np.ndarray | None = None) -> float:
-        """m around the contact point that contain every part of the surface that touches, however deep."""
-        return 1.4 * self.radius
+        """Radius of the ball's section with the plane, m; no more than R."""
+        return float(min(np.sqrt(2.0 * self.radius * depth), self.radius))
+
+    def footprint(self, depth: float, rotation: np.ndarray | None = None) -> Footprint:
+        """Of the ball `depth` (m) into a plane."""
+        return Footprint(self.contact_size(depth), self.contact_extent(depth), np.zeros((1, 2)))
 
     def distance(self, points: np.ndarray, pose: Pose) -> ToolDistance:
         """Gap of points (n, 3) m."""

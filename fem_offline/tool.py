@@ -17,6 +17,8 @@ from typing import Protocol
 
 import numpy as np
 
+from palpate.fem_offline.footprint import Footprint
+from palpate.fem_offline.mesh_tool import MeshTool
 from palpate.fem_offline.pose import Pose, ToolDistance, tangents, tilted
 from palpate.fem_offline.round_tools import Capsule, Cone, Cylinder, FlatPunch
 from palpate.fem_offline.sphere import Sphere
@@ -26,6 +28,8 @@ __all__ = [
     "Cone",
     "Cylinder",
     "FlatPunch",
+    "Footprint",
+    "MeshTool",
     "Pose",
     "Sphere",
     "Tool",
@@ -57,6 +61,10 @@ class Tool(Protocol):
 
     def contact_extent(self, depth: float, rotation: np.ndarray | None = None) -> float:
         """m; radius around the contact point that contains the contact, rotation as in `contact_size`."""
+        ...
+
+    def footprint(self, depth: float, rotation: np.ndarray | None = None) -> Footprint:
+        """Both, and where in the plane the contact is widest; depth and rotation as in `contact_size`."""
         ...
 
     def hash(self) -> str:

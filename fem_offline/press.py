@@ -5,7 +5,7 @@
 The tool is turned as the site says and its reference point goes from p(0) = c + rho n to p(d) = c + (rho - d) n.
 Each recorded state is an equilibrium; f = force on the tool, W = stored energy.  Free checks, kept in the record:
 
-    action and reaction:  |f_tool - f_supports| / |f_tool|          (the supports' side is computed on its own)
+    action and reaction:  |f_tool - f_supports| / |f_tool|, and moments  (the supports' side is computed on its own)
     work and energy:      dW/dd = f . n                             (checked over each ladder, see `work_mismatch`)
 
 With a friction coefficient the same ladder runs with Coulomb's law at every point (coulomb.py), on a path of smaller
@@ -30,7 +30,7 @@ from palpate.fem_offline.coulomb import Coulomb, FrictionCheck
 from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equilibrate
 from palpate.fem_offline.site import Site
 from palpate.fem_offline.sliding import equilibrate_sliding
-from palpate.fem_offline.tool import Tool
+from palpate.fem_offline.tool import Pose, Tool
 
 __all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "SlidingRecord", "press"]
 
@@ -128,7 +128,7 @@ class PressRecord:
         contact_point, normal: (3,) m, (3,).
         depth: (K,) m.  force_vector: (K, 3) N on the tool.  moment: (K, 3) N m about the reference point.
         energy: (K,) J stored in the tissue.  area: (K,) m2 of reference surface in contact.
-        residual: (K,) |r| / |f|.  reaction_error: (K,) action against reaction, fraction of |f|.
+        residual: (K,) |r| / |f|.  reaction_error: (K,) action against reaction, forces and moments.
         penetration: (K,) m; mean gap error where pressure acts.
         sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck, at every second depth and the deepest;
             zero at the zero state, NaN elsewhere.
@@ -304,7 +304,7 @@ def press(
             break
         try:
             found = ladder.go_to(float(depth))
-            mismatch = _reaction_error(site, found)
+            mismatch = _reaction_error(site, found, contact.pose)
             if mismatch > settings.reaction_tolerance:
                 reason = f"action and reaction differ by {mismatch:.1e} at {depth * 1e3:.2f} mm"
                 break
@@ -369,11 +369,14 @@ def _contact(site: Site, tool: Tool, settings: PressSettings, friction: float) -
     )
 
 
-def _reaction_error(site: Site, found: Equilibrium) -> float:
-    support = site.body.support_force(found.u, found.elastic)
-    return float(
-        np.linalg.norm(found.contact.force - support) / max(np.linalg.norm(found.contact.force), 1e-300)
-    )
+def _reaction_error(site: Site, found: Equilibrium, pose: Pose) -> float:
+    """Force and moment on the tool against the supports', as a share of the force (moments: times the patch's size)."""
+    force, moment = found.contact.force, found.contact.moment
+    support = site.body.support_reaction(found.u, found.elastic)
+    scale = max(float(np.linalg.norm(force)), 1e-300)
+    arm = float(np.linalg.norm(site.patch.points - site.contact_point, axis=1).max())
+    turned = moment + np.cross(pose.position, force) - support[3:]
+    return float(max(np.linalg.norm(force - support[:3]) / scale, np.linalg.norm(turned) / (scale * arm)))
 
 
 def _sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: PressSettings) -> Sticking:
@@ -435,6 +438,6 @@ def _work_mismatch(depth: np.ndarray, force: np.ndarray, energy: np.ndarray) -> 
         return 0.0
     d, f = depth[1:], force[1:]
     n = np.diff(np.log(f)) / np.diff(np.log(d))
-    # up to the first depth, n = 1.5 (Hertz)
-    work = np.concatenate([[0.0], np.cumsum(np.diff(f * d) / (n + 1.0))]) + f[0] * d[0] / 2.5
+    # up to the first depth, n is that of the next step (1.5 for a ball, 1 for a punch, 2 for a cone)
+    work = np.concatenate([[0.0], np.cumsum(np.diff(f * d) / (n + 1.0))]) + f[0] * d[0] / (n[0] + 1.0)
     return float(np.max(np.abs(energy[1:] - work)) / max(energy[-1], 1e-300))

@@ -17,6 +17,7 @@ equation of the second kind
     flat punch   g = d                      a given
     paraboloid   g = d - s^2 / R            phi(a) = 0 gives a
     sphere       g = d - s artanh(s / R)    phi(a) = 0 gives a (Sneddon's sphere, if M = 1)
+    rounded punch: f = 0 up to b, then f' = (r - b) / sqrt(e^2 - (r - b)^2), e the edge's radius, a between b and b + e
 
 (Lebedev and Ufliand, Axisymmetric contact problem for an elastic layer, J. Appl. Math. Mech. 22:442-450, 1958; Hayes,
 Keer, Herrmann and Mockros, A mathematical analysis for indentation tests of articular cartilage, J. Biomech.
@@ -98,14 +99,27 @@ class BondedLayer:
         widest = min(1.5 * np.sqrt(radius * depth), radius * (1.0 - 1e-12))
         return self._smooth(lambda s: s * np.arctanh(s / radius), depth, widest)
 
+    def rounded_punch(self, radius: float, edge_radius: float, depth: float) -> LayerContact:
+        """A flat punch whose edge is rounded; radius (m) with the rounding."""
+        b, e = radius - edge_radius, edge_radius
+        x, w = roots_legendre(40)
+
+        def rise(s: np.ndarray) -> np.ndarray:  # s int f'(s sin v) dv, from sin v = b / s to v = pi / 2
+            first = np.arcsin(np.minimum(1.0, b / s))
+            half = 0.5 * (0.5 * np.pi - first)
+            past = np.clip(s[:, None] * np.sin(first[:, None] + half[:, None] * (x + 1.0)) - b, 0.0, None)
+            return s * half * (past / np.sqrt(e**2 - past**2) @ w)
+
+        return self._smooth(rise, depth, radius * (1.0 - 1e-9), b)
+
     def solution(self, contact_radius: float, g: Shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Points t (POINTS,) m, their weights m, and phi(t) Pa m there; g of radii (n,) m -> (n,) m."""
         t, w = self._points(contact_radius)
         system = np.eye(len(t)) - self._coupling(t, t) * w
         return t, w, np.linalg.solve(system, self.effective_modulus / np.pi * g(t))
 
-    def _smooth(self, rise: Shape, depth: float, widest: float) -> LayerContact:
-        """A tool with g(s) = depth - rise(s): its contact ends where phi(a) = 0, below `widest` (m)."""
+    def _smooth(self, rise: Shape, depth: float, widest: float, narrowest: float = 0.0) -> LayerContact:
+        """A tool with g(s) = depth - rise(s): its contact ends where phi(a) = 0, between the bounds (m) given."""
 
         def end(a: float, g: Shape) -> tuple[float, float]:  # phi(a), by the equation itself, and F
             t, w, phi = self.solution(a, g)
@@ -118,7 +132,8 @@ class BondedLayer:
             d = shaped[0] / flat[0]
             return d, d * flat[1] - shaped[1]
 
-        a = brentq(lambda a: of_contact(a)[0] - depth, 1e-3 * widest, widest, xtol=1e-14 * widest, rtol=1e-13)
+        least = narrowest + 1e-3 * (widest - narrowest)
+        a = brentq(lambda a: of_contact(a)[0] - depth, least, widest, xtol=1e-14 * widest, rtol=1e-13)
         return LayerContact(a, of_contact(a)[1])
 
     def _points(self, a: float) -> tuple[np.ndarray, np.ndarray]:

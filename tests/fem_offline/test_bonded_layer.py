@@ -89,3 +89,21 @@ def test_a_smooth_tool_is_as_stiff_as_a_punch_of_its_contact():
     for pressed in (layer.sphere, layer.paraboloid):
         slope = (pressed(R, d + step).force - pressed(R, d - step).force) / (2.0 * step)
         assert slope == pytest.approx(layer.punch(pressed(R, d).radius, 1.0).force, rel=1e-6)
+
+
+def test_a_rounded_punch_lies_between_the_sharp_ones_of_its_flat_and_of_its_contact():
+    layer, radius, edge, d = BondedLayer(5400.0, 0.48, 4e-3), 5e-3, 0.5e-3, 2e-5
+    found = layer.rounded_punch(radius, edge, d)
+    flat, whole = layer.punch(radius - edge, d).force, layer.punch(found.radius, d).force
+    assert radius - edge < found.radius < radius
+    assert flat < found.force < whole
+    slope = (
+        layer.rounded_punch(radius, edge, 1.01 * d).force - layer.rounded_punch(radius, edge, 0.99 * d).force
+    ) / (0.02 * d)
+    assert slope == pytest.approx(layer.punch(found.radius, 1.0).force, rel=2e-3)
+
+
+def test_a_punch_that_is_all_edge_is_a_sphere():
+    layer = BondedLayer(5400.0, 0.48, 4e-3)
+    found, sphere = layer.rounded_punch(5e-3, 5e-3, 1e-3), layer.sphere(5e-3, 1e-3)
+    assert (found.radius, found.force) == pytest.approx((sphere.radius, sphere.force), rel=1e-9)

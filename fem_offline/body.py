@@ -148,10 +148,13 @@ class _Tangent(ABC):
         return self.support_reaction(u, state)[:3]
 
     def support_reaction(self, u: np.ndarray, state: ElementState) -> np.ndarray:
-        """(6,) N, N m; force of the supports on the tissue and its moment about the origin, from their own side."""
+        """(6,) N, N m; force of the supports on the tissue and its moment about the origin, from their own side.
+
+        Less the couple of linear materials, which nothing holds but the model.
+        """
         force = state.force[self.held]
-        moment = np.cross(self.nodes[self.held], force)
-        held = np.concatenate([force.sum(axis=0), moment.sum(axis=0)])
+        moment = np.cross(self.nodes[self.held], force).sum(axis=0) - self.tissue.couple(u)
+        held = np.concatenate([force.sum(axis=0), moment])
         return held + self.tissue.ground_reaction(u)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from palpate.fem_offline.assembly import ElementState, ElementSystem, HessianPattern
 from palpate.fem_offline.contact import face_places
 from palpate.fem_offline.elastic_support import ElasticSupport
+from palpate.fem_offline.material import Linear
 from palpate.fem_offline.membrane import Membrane
 from palpate.fem_offline.quadratic_space import QuadraticSpace
 
@@ -69,6 +70,17 @@ class Tissue:
         if id(pattern) not in self._spring_places:
             self._spring_places = {id(pattern): (pattern, face_places(pattern, self.springs.surface.faces))}
         return self._spring_places[id(pattern)][1]
+
+    def couple(self, u: np.ndarray) -> np.ndarray:
+        """(3,) N m; moment of the inner forces: zero, but for linear materials, which rotations strain."""
+        skin = [] if self.capsule is None else [self.capsule.capsule.material]
+        materials = [*self.elements.materials, *skin]
+        if not any(isinstance(material, Linear) for material in materials):
+            return np.zeros(3)
+        force = self.elements.state(u).force
+        if self.capsule is not None:
+            force = force + self.capsule.state(u).force
+        return np.cross(self.nodes + u, force).sum(axis=0)
 
     def ground_reaction(self, u: np.ndarray) -> np.ndarray:
         """(6,) N, N m; force of the springs' ground on the tissue and its moment about the origin."""

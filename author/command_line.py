@@ -234,6 +234,38 @@ def bench(
 
 
 @app.command()
+def certify(
+    field: Annotated[Path, typer.Argument(metavar="FIELD", help=".rfield")],
+    rate: Annotated[float, typer.Option("--rate", help="Hz, of the servo loop")],
+    damping: Annotated[float, typer.Option("--damping", help="N s/m, of the device")],
+    delay: Annotated[float, typer.Option("--delay", help="s, from the sample to the motors")] = 0.0,
+    quantum: Annotated[float, typer.Option("--quantum", help="m, of the encoders at the tip")] = 0.0,
+    dry_friction: Annotated[float, typer.Option("--dry-friction", help="N, of the device")] = 0.0,
+    mass: Annotated[float, typer.Option("--mass", help="kg, of the simulated device")] = 0.05,
+    simulate: Annotated[bool, typer.Option("--simulate", help="let simulated devices push into it")] = False,
+    as_json: Json = False,
+) -> None:
+    """Hold a haptic device against a field: does holding forces make it hum?"""
+
+    def work() -> Answer:
+        from palpate.author.certify import certify as certified
+
+        result = certified(
+            field,
+            rate=rate,
+            damping=damping,
+            delay=delay,
+            quantum=quantum,
+            dry_friction=dry_friction,
+            mass=mass,
+            simulate=simulate,
+        )
+        return Answer(result, [_certify_lines(result)], 0 if result["met"] else 1)
+
+    _end(work, as_json)
+
+
+@app.command()
 def verify(
     everything: Annotated[bool, typer.Option("--all", help="the slow rows too: some five minutes")] = False,
     as_json: Json = False,
@@ -299,6 +331,22 @@ def _replay_lines(result: dict[str, Any]) -> str:
     lines = [f"{result['ticks']} ticks, {result['seconds']:.3g} s, at most {result['force_max_seen']:.3g} N"]
     lines += [f"{name}: {result[name]:.6g} J" for name in names]
     return "\n".join(lines + [f"{count} ticks: {sentence}" for sentence, count in result["status"].items()])
+
+
+def _certify_lines(result: dict[str, Any]) -> str:
+    lines = [
+        f"{result['field']}: stiffness up to {result['stiffness_max']:.4g} N/m",
+        f"damping needed: {result['damping_needed']:.3g} N s/m",
+        f"dry friction needed: {result['dry_friction_needed']:.3g} N",
+        f"places rendered without a hum: {100 * result['share']:.1f} %",
+    ]
+    for row in result.get("simulated", ()):
+        ends = "rests" if row["rests"] else "never rests"
+        lines.append(
+            f"simulated, damping {row['damping_over_bound']:.2f} of the bound at {row['stiffness']:.3g} N/m: {ends} "
+            f"({1e3 * row['speed_early']:.3g} mm/s, later {1e3 * row['speed_late']:.3g} mm/s)"
+        )
+    return "\n".join([*lines, result["sentence"]])
 
 
 def _percentiles(error: dict[str, float]) -> str:

@@ -54,12 +54,14 @@ class Hand:
         stiffness: N/m, k_h.
         damping: N s/m, b_h.
         intention: (n, 3) m, x_h at each tick (the last one stays); None: no spring.
+        along: (3,), unit; the hand keeps the device on a line through its start in this direction; None: it does not.
     """
 
     push: tuple[float, float, float] = (0.0, 0.0, 0.0)
     stiffness: float = 0.0
     damping: float = 0.0
     intention: np.ndarray | None = None
+    along: tuple[float, float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -110,6 +112,8 @@ def _move(device, hand, force, aim, x, v, dt, substeps):
     damping = device.damping + hand.damping
     for _ in range(substeps):
         pull = force if aim is None else force + hand.stiffness * (aim - x)
+        if hand.along is not None:
+            pull = np.dot(pull, hand.along) * np.asarray(hand.along)
         v = (v + dt / device.mass * pull) / (1.0 + dt * damping / device.mass)
         speed = np.linalg.norm(v)
         if device.dry_friction and speed > 0.0:

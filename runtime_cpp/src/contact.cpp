@@ -47,7 +47,7 @@ struct outcome {
     bool slipped;
 };
 
-void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3], outcome& o) noexcept {
+inline void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3], outcome& o) noexcept {
     o.normal_force = -dot(r.gradient, under.normal);
     o.friction_coefficient = config.friction_coefficient >= 0.0 ? config.friction_coefficient : r.friction_coefficient;
     const double limit = o.normal_force > 0.0 ? o.friction_coefficient * o.normal_force : 0.0;

@@ -13,7 +13,7 @@
 namespace palpate {
 
 struct amplitude_sums {
-    double value[rfield_channel_limit];
+    double value[rfield_channel_limit + 4];  // four zeros after the last channel, so that any channel begins a quad
     double dx[rfield_channel_limit];  // per cell; of the gradient channels only
     double dy[rfield_channel_limit];
     double dz[rfield_channel_limit];
@@ -30,6 +30,20 @@ struct amplitude_taps {
 
 constexpr double sums_per_count = 65536.0;
 
+// One row of depth curves in the order that sums read: c0 of every curve, then c1, c2, c3, each padded with zeros to a multiple of 4.
+struct curve_row {
+    const double* c;
+    double x;            // m; depth from the row's start
+    std::int64_t padded;  // curves, padding included; a multiple of 4; may be 0
+};
+
+// sums over curves r of phi_r a_r and so on; gradients per cell
+struct response_sums {
+    double energy, steepness, stiffness;   // phi_r a_r, phi_r' a_r, phi_r'' a_r
+    double gx, gy, gz;                     // phi_r da_r
+    double friction_stiffness, friction_coefficient;  // kappa_r b_r, mu_r m_r
+};
+
 struct contraction {
     // phi in 1/65536 counts and its derivatives per cell, sums = (value, dx, dy, dz).  block[8]: the blocks under the stencil as
     // in amplitude_taps, 64 counts each.
@@ -38,6 +52,9 @@ struct contraction {
     // The first `channels` amplitudes, and derivatives of the first `gradient_channels`; both multiples of 4.
     void (*amplitudes)(const amplitude_taps& taps, std::int32_t gradient_channels, std::int32_t channels,
                        amplitude_sums& sums) noexcept;
+    // Curves times amplitudes; those of kappa and mu begin at channels `stiffness_from` and `friction_from`.
+    void (*curves)(const curve_row& energy, const curve_row& stiffness, const curve_row& friction, const amplitude_sums& a,
+                   std::int32_t stiffness_from, std::int32_t friction_from, response_sums& sums) noexcept;
 };
 
 extern const contraction contraction_baseline;

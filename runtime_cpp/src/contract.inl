@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
-// Sums are separable.  Geometry: lanes run along z (a column of a block is four int16); columns are summed along y, then
+// Sums are separable; those over curves have a curve to each lane.  Geometry: lanes run along z (a column of a block is four int16); columns are summed along y, then
 // x, and the lanes last.  Amplitudes: lanes are channels; sums run along z, then y, then x, and value and derivatives
 // share them.
 #include "contract.h"
@@ -117,6 +117,52 @@ void amplitudes(const amplitude_taps& taps, std::int32_t gradient_channels, std:
     std::int64_t first = 0;
     for (; first < gradient_channels; first += 4) four_amplitudes<true>(table, taps.x, y, z, first, sums);
     for (; first < channels; first += 4) four_amplitudes<false>(table, taps.x, y, z, first, sums);
+    store(sums.value + first, all(0.0));
+}
+
+// Curves are summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
+inline quad value_of(const quad c[4], const quad& x, const quad& x2) noexcept { return (c[0] + c[1] * x) + x2 * (c[2] + c[3] * x); }
+
+inline void load_curves(const curve_row& row, std::int64_t first, quad c[4]) noexcept {
+    const double* at = row.c + first;
+    c[0] = load(at);
+    c[1] = load(at + row.padded);
+    c[2] = load(at + 2 * row.padded);
+    c[3] = load(at + 3 * row.padded);
+}
+
+inline quad weighted(const curve_row& row, const double* amplitude) noexcept {
+    const quad x = all(row.x), x2 = all(row.x * row.x);
+    quad sum = all(0.0);
+    for (std::int64_t first = 0; first < row.padded; first += 4) {
+        quad c[4];
+        load_curves(row, first, c);
+        sum = sum + value_of(c, x, x2) * load(amplitude + first);
+    }
+    return sum;
+}
+
+void curves(const curve_row& energy, const curve_row& stiffness, const curve_row& friction, const amplitude_sums& a,
+            std::int32_t stiffness_from, std::int32_t friction_from, response_sums& sums) noexcept {
+    const quad x = all(energy.x), x2 = all(energy.x * energy.x), two = all(2.0), three_x2 = all(3.0 * (energy.x * energy.x)),
+               six_x = all(6.0 * energy.x);
+    quad value = all(0.0), steep = all(0.0), stiff = all(0.0), gx = all(0.0), gy = all(0.0), gz = all(0.0);
+    for (std::int64_t first = 0; first < energy.padded; first += 4) {
+        quad c[4];
+        load_curves(energy, first, c);
+        const quad amplitude = load(a.value + first), twice = two * c[2];
+        const quad phi = value_of(c, x, x2);
+        value = value + phi * amplitude;
+        steep = steep + ((c[1] + twice * x) + three_x2 * c[3]) * amplitude;
+        stiff = stiff + (twice + six_x * c[3]) * amplitude;
+        gx = gx + phi * load(a.dx + first);
+        gy = gy + phi * load(a.dy + first);
+        gz = gz + phi * load(a.dz + first);
+    }
+    static_assert(sizeof(response_sums) == 8 * sizeof(double), "stored as two quads");
+    double* out = &sums.energy;
+    store(out, sums_of_four(value, steep, stiff, gx));
+    store(out + 4, sums_of_four(gy, gz, weighted(stiffness, a.value + stiffness_from), weighted(friction, a.value + friction_from)));
 }
 
 }  // namespace PALPATE_ISA

@@ -6,6 +6,6 @@
 
 namespace palpate {
 
-const contraction contraction_avx2 = {avx2::geometry, avx2::amplitudes};
+const contraction contraction_avx2 = {avx2::geometry, avx2::amplitudes, avx2::curves};
 
 }  // namespace palpate

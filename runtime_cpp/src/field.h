@@ -22,7 +22,8 @@ struct lattice {
     const std::int32_t* index;  // (blocks) row of the coefficients
 };
 
-// Depth curves (fields/response_field.py, DepthCurves): rows of (curve_count x 4), the last one beyond depth_end.
+// Depth curves (fields/response_field.py, DepthCurves), a row for each interval and a last one beyond depth_end, each in the order
+// of curve_row.  The file has a curve's four coefficients together; opening turns them around.
 struct depth_curves {
     double depth_end;         // m
     double step;              // m
@@ -30,7 +31,8 @@ struct depth_curves {
     double interval_count;    // as a double, for the comparison that bounds the row
     std::int32_t last_row;    // interval_count
     std::int32_t curve_count;
-    const double* rows;
+    std::int64_t padded;  // curve_count, up to a multiple of 4
+    const double* rows;   // (last_row + 1) x 4 x padded
 };
 
 }  // namespace palpate
@@ -61,7 +63,8 @@ struct palpate_field {
     palpate::rfield_header header;  // as this version would have written it
     const char* provenance;
     std::uint64_t provenance_size;
-    void* owned;  // what to free, or null when used in place
+    void* owned;   // the file's bytes, to free; or null when used in place
+    double* curves;  // the rows of the three kinds of curves, to free
 };
 
 #endif

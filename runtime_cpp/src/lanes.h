@@ -42,6 +42,7 @@ inline quad three(const double x[3]) noexcept { return {_mm256_set_pd(0.0, x[2],
 inline quad operator+(quad a, quad b) noexcept { return {_mm256_add_pd(a.v, b.v)}; }
 inline quad operator*(quad a, quad b) noexcept { return {_mm256_mul_pd(a.v, b.v)}; }
 inline void store(double* to, quad a) noexcept { _mm256_storeu_pd(to, a.v); }
+inline quad load(const double* from) noexcept { return {_mm256_loadu_pd(from)}; }
 // Four floats from memory.
 inline quad load(const float* from) noexcept { return {_mm256_cvtps_pd(_mm_loadu_ps(from))}; }
 
@@ -73,6 +74,13 @@ inline quad sums_of_three(quad a, quad b, quad c, quad d) noexcept {
     return {_mm256_add_pd(_mm256_add_pd(first, second), third)};
 }
 
+// ((a0 + a1) + (a2 + a3), the same of b, c, d)
+inline quad sums_of_four(quad a, quad b, quad c, quad d) noexcept {
+    const __m256d ab = _mm256_hadd_pd(a.v, b.v);  // a0 + a1, b0 + b1, a2 + a3, b2 + b3
+    const __m256d cd = _mm256_hadd_pd(c.v, d.v);
+    return {_mm256_add_pd(_mm256_permute2f128_pd(ab, cd, 0x20), _mm256_permute2f128_pd(ab, cd, 0x31))};
+}
+
 #else
 
 #if defined(__GNUC__)
@@ -98,6 +106,11 @@ inline void store(double* to, const quad& a) noexcept {
     to[1] = a.low[1];
     to[2] = a.high[0];
     to[3] = a.high[1];
+}
+inline quad load(const double* from) noexcept { return {pair{from[0], from[1]}, pair{from[2], from[3]}}; }
+inline quad sums_of_four(const quad& a, const quad& b, const quad& c, const quad& d) noexcept {
+    return {pair{(a.low[0] + a.low[1]) + (a.high[0] + a.high[1]), (b.low[0] + b.low[1]) + (b.high[0] + b.high[1])},
+            pair{(c.low[0] + c.low[1]) + (c.high[0] + c.high[1]), (d.low[0] + d.low[1]) + (d.high[0] + d.high[1])}};
 }
 inline quad load(const float* from) noexcept {
 #if defined(__SSE2__)

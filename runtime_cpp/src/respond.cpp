@@ -13,16 +13,14 @@
 namespace palpate {
 namespace {
 
-// Row of `curves` at depth d > 0, and d measured from the row's start.
-const double* row_at(const depth_curves& curves, double d, double& x) noexcept {
+// Row of `curves` at depth d >= 0.
+inline curve_row row_at(const depth_curves& curves, double d) noexcept {
     const double t = d * curves.inverse_step;
     if (t < curves.interval_count) {
         const auto m = static_cast<std::int32_t>(t);
-        x = d - static_cast<double>(m) * curves.step;
-        return curves.rows + static_cast<std::int64_t>(m) * curves.curve_count * 4;
+        return {curves.rows + static_cast<std::int64_t>(m) * curves.padded * 4, d - static_cast<double>(m) * curves.step, curves.padded};
     }
-    x = d - curves.depth_end;
-    return curves.rows + static_cast<std::int64_t>(curves.last_row) * curves.curve_count * 4;
+    return {curves.rows + static_cast<std::int64_t>(curves.last_row) * curves.padded * 4, d - curves.depth_end, curves.padded};
 }
 
 // Row of the block (bx, by, bz); the zero block beyond the box.
@@ -31,67 +29,31 @@ std::int64_t row_of(const lattice& L, std::int64_t bx, std::int64_t by, std::int
     return inside ? L.index[(bx * L.blocks[1] + by) * L.blocks[2] + bz] : 0;
 }
 
-// The curves at one depth.  Summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
-struct curve_values {
-    double phi[rfield_channel_limit], slope[rfield_channel_limit], bend[rfield_channel_limit];  // phi_r, phi_r', phi_r''
-    double friction[rfield_channel_limit];  // kappa_r, then mu_r
+struct rows {
+    curve_row energy, stiffness, friction;
 };
 
-void values_at(const depth_curves& curves, double d, double* value) noexcept {
-    double x = 0.0;
-    const double* row = row_at(curves, d, x);
-    const double x2 = x * x;
-    for (std::int32_t r = 0; r < curves.curve_count; ++r, row += 4) value[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
+inline rows rows_at(const palpate_field& field, double d) noexcept {
+    return {row_at(field.energy, d), row_at(field.stiffness, d), row_at(field.friction, d)};
 }
 
-inline void curves_at(const palpate_field& field, double d, curve_values& c) noexcept {
-    double x = 0.0;
-    const double* row = row_at(field.energy, d, x);
-    const double x2 = x * x;
-    for (std::int32_t r = 0; r < field.energy.curve_count; ++r, row += 4) {
-        c.phi[r] = (row[0] + row[1] * x) + x2 * (row[2] + row[3] * x);
-        c.slope[r] = (row[1] + (2.0 * row[2]) * x) + x2 * (3.0 * row[3]);
-        c.bend[r] = 2.0 * row[2] + (6.0 * row[3]) * x;
-    }
-    values_at(field.stiffness, d, c.friction);
-    values_at(field.friction, d, c.friction + field.stiffness.curve_count);
-}
-
-// sum_r g_r c_r, not below zero
-double weighted(std::int32_t count, const double* curve, const double* channel) noexcept {
-    double sum = 0.0;
-    for (std::int32_t r = 0; r < count; ++r) sum += curve[r] * channel[r];
-    return sum > 0.0 ? sum : 0.0;
-}
-
-inline void combine(const palpate_field& field, const curve_values& c, const amplitude_sums& a,
-                    const double distance_gradient[3], response& found) noexcept {
+inline void combine(const palpate_field& field, const rows& at, const amplitude_sums& a, const double distance_gradient[3],
+                    response& found) noexcept {
     const std::int32_t energies = field.energy.curve_count;
-    const std::int32_t stiffnesses = field.stiffness.curve_count;
-    double energy = 0.0, steepness = 0.0, stiffness = 0.0;  // sums of phi_r a_r, phi_r' a_r, phi_r'' a_r
-    double gx = 0.0, gy = 0.0, gz = 0.0;
-    for (std::int32_t r = 0; r < energies; ++r) {
-        energy += c.phi[r] * a.value[r];
-        steepness += c.slope[r] * a.value[r];
-        stiffness += c.bend[r] * a.value[r];
-        gx += c.phi[r] * a.dx[r];
-        gy += c.phi[r] * a.dy[r];
-        gz += c.phi[r] * a.dz[r];
-    }
+    response_sums sums;
+    field.contract->curves(at.energy, at.stiffness, at.friction, a, energies, energies + field.stiffness.curve_count, sums);
     const double per_metre = field.amplitudes.inverse_spacing;
-    found.energy = energy;
-    found.gradient[0] = gx * per_metre - steepness * distance_gradient[0];
-    found.gradient[1] = gy * per_metre - steepness * distance_gradient[1];
-    found.gradient[2] = gz * per_metre - steepness * distance_gradient[2];
-    found.steepness = steepness;
-    found.stiffness = stiffness;
-    found.friction_stiffness = weighted(stiffnesses, c.friction, a.value + energies);
-    found.friction_coefficient = weighted(field.friction.curve_count, c.friction + stiffnesses, a.value + energies + stiffnesses);
+    found.energy = sums.energy;
+    found.gradient[0] = sums.gx * per_metre - sums.steepness * distance_gradient[0];
+    found.gradient[1] = sums.gy * per_metre - sums.steepness * distance_gradient[1];
+    found.gradient[2] = sums.gz * per_metre - sums.steepness * distance_gradient[2];
+    found.steepness = sums.steepness;
+    found.stiffness = sums.stiffness;
+    found.friction_stiffness = sums.friction_stiffness > 0.0 ? sums.friction_stiffness : 0.0;
+    found.friction_coefficient = sums.friction_coefficient > 0.0 ? sums.friction_coefficient : 0.0;
 }
 
-}  // namespace
-
-bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
+inline bool find_taps(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
     const lattice& L = field.amplitudes;
     const double u[3] = {(q[0] - L.origin[0]) * L.inverse_spacing, (q[1] - L.origin[1]) * L.inverse_spacing,
                          (q[2] - L.origin[2]) * L.inverse_spacing};
@@ -127,25 +89,26 @@ bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps)
     return true;
 }
 
+}  // namespace
+
+bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept { return find_taps(field, q, taps); }
+
 void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
              response& found, amplitude_sums& amplitudes) noexcept {
     amplitude_taps taps;
-    if (!gather(field, q, taps)) {
+    if (!find_taps(field, q, taps)) {
         found = response{};
         amplitudes = amplitude_sums{};
         return;
     }
-    curve_values curves;  // first: they wait for the depth, while the sums over amplitudes keep the processor busy
-    curves_at(field, depth, curves);
+    const rows at = rows_at(field, depth);
     field.contract->amplitudes(taps, field.gradient_channels, field.channels, amplitudes);
-    combine(field, curves, amplitudes, distance_gradient, found);
+    combine(field, at, amplitudes, distance_gradient, found);
 }
 
 void respond_again(const palpate_field& field, const amplitude_sums& amplitudes, double depth,
                     const double distance_gradient[3], response& found) noexcept {
-    curve_values curves;
-    curves_at(field, depth, curves);
-    combine(field, curves, amplitudes, distance_gradient, found);
+    combine(field, rows_at(field, depth), amplitudes, distance_gradient, found);
 }
 
 }  // namespace palpate

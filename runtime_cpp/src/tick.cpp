@@ -41,10 +41,10 @@ void write_books(const palpate_session& s, palpate_tool_response& out) noexcept 
 
 // The way of touching at m.q, from `before` (the last tick's cosine); the location's depth becomes that of the larger rho of the two.
 void tilt(const palpate_field& field, double before, motion& m, location& at) noexcept {
-    const double c0 = clamped_cosine(field, before);
-    m.cosine = c0;
+    m.cosine = field.header.way_cosine[0];
     m.shift_before = m.shift = 0.0;
     if (field.way_count == 1) return;
+    const double c0 = m.cosine = clamped_cosine(field, before);
     const double length = std::sqrt(dot(at.gradient, at.gradient));
     if (length > 0.0) m.cosine = clamped_cosine(field, dot(m.axis, at.gradient) / length);
     const double rho_before = offset_of_way(field, c0), rho = offset_of_way(field, m.cosine);

@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from palpate.fields.cook import write_rfield
+from palpate.fields.cook import cook, write_rfield
 from palpate.fields.lattice import ABSENT_INSIDE, ABSENT_OUTSIDE, ABSENT_UNREACHED, Lattice
 from palpate.fields.response_field import (
     ContactGeometry,
@@ -174,6 +175,22 @@ def thin_slab(thickness: float = 6e-3) -> ResponseField:
     )
 
 
+def three_ways() -> bytes:
+    """The plane, cooked for three tilts: upright; half as stiff and 0.2 mm shorter at cosine 0.8; three times as
+    stiff and 0.5 mm shorter at 0.5."""
+    first = synthetic_field()
+
+    def scaled(factor: float, offset: float) -> ResponseField:
+        coefficients = first.amplitudes.coefficients * [factor, factor, factor, 1]
+        return replace(
+            first,
+            amplitudes=replace(first.amplitudes, coefficients=coefficients),
+            tool=replace(first.tool, offset=offset),
+        )
+
+    return cook(first, [(0.8, scaled(0.5, 4.8e-3)), (0.5, scaled(3.0, 4.5e-3))])
+
+
 FIELDS = {"plane": synthetic_field, "sphere": sphere_organ, "slab": thin_slab}
 
 if __name__ == "__main__":
@@ -181,3 +198,4 @@ if __name__ == "__main__":
     folder.mkdir(parents=True, exist_ok=True)
     for name, make in FIELDS.items():
         write_rfield(make(), folder / f"{name}.rfield")
+    (folder / "tilted.rfield").write_bytes(three_ways())

@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Ways of touching: one field for several tilts of a tool; tilting while pressed creates no energy."""
 
-from dataclasses import replace
 from importlib.resources import files
 
 import numpy as np
@@ -20,19 +19,10 @@ COSINES = (1.0, 0.8, 0.5)
 ROUNDING = 1e-13  # J
 
 
-def scaled(field, factor, offset):
-    """`field` with all energies and stiffnesses times `factor` and another rho."""
-    amplitudes = replace(
-        field.amplitudes, coefficients=field.amplitudes.coefficients * [factor, factor, factor, 1]
-    )
-    return replace(field, amplitudes=amplitudes, tool=replace(field.tool, offset=offset))
-
-
 @pytest.fixture(scope="module")
 def tilted():
     """The plane in three ways: upright, softer and shorter at 37 degrees, stiffer at 60; and NumPy's view."""
-    first = synthetic_field.FIELDS["plane"]()
-    data = cook(first, [(0.8, scaled(first, 0.5, 4.8e-3)), (0.5, scaled(first, 3.0, 4.5e-3))])
+    data = synthetic_field.three_ways()
     return data, Field.open(data), [read_rfield(data, way) for way in range(3)]
 
 

@@ -31,6 +31,7 @@ from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.second_code import second_code_rows
 from palpate.fem_offline.verification.sheet import sheet_rows
 from palpate.fem_offline.verification.sticking_disc import sticking_rows
+from palpate.fem_offline.verification.tool_rows import tool_rows
 
 __all__ = ["table"]
 
@@ -65,6 +66,7 @@ def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "half space", lambda: _half_space(everything=True)
     yield "lateral push", lambda: lateral_rows(anew=True)
     yield "large indentation", _large_indentation
+    yield "tools", tool_rows
     yield "sticking", sticking_rows
     yield "covered half space", covered_rows
     yield "fidelity", fidelity_rows

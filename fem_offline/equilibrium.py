@@ -34,7 +34,7 @@ FORCING = (1.0e-3, 0.05)
 """Smallest and largest reduction of the linear residual in a Newton step."""
 NEAR = 1.0e-5
 """Relative residual below which the residual may judge a step; the energy's decrease is then some 1e-10 of it."""
-LADDER = ((True, 0.0), (False, 0.0), (False, 0.05), (False, 0.5), (False, 5.0))
+LADDER = ((True, 0.0), (False, 0.0), (False, 0.05), (False, 0.5), (False, 5.0), (False, 50.0))
 """(contact's geometric part kept, share of the rest stiffness added), tried in turn."""
 
 
@@ -75,7 +75,9 @@ def _direction(body: Body, contact: Contact, u: np.ndarray, r: np.ndarray, toler
             return body.solve(-r, tolerance)
         except (NotPositiveDefiniteError, NegativeCurvatureError, StaleError):
             continue
-    raise EquilibriumError("the Hessian could not be made positive definite")
+    raise EquilibriumError(
+        "the Hessian could not be made positive definite: the tissue is more distorted than its mesh can follow"
+    )
 
 
 def equilibrate(

@@ -101,7 +101,10 @@ class Organ:
         """
         a, b, c = np.moveaxis(self.points[self.faces], 1, 0)
         ray = -np.asarray(normal, float)
-        leaving = np.einsum("ij,j->i", np.cross(b - a, c - a), ray) > 0.0
+        area = np.cross(b - a, c - a)
+        leaving = area @ ray > 1e-6 * np.linalg.norm(
+            area, axis=1
+        )  # faces along the ray are never left through
         a, e1, e2 = a[leaving], (b - a)[leaving], (c - a)[leaving]
         h = np.cross(ray, e2)
         scale = 1.0 / np.einsum("ij,ij->i", e1, h)

@@ -332,7 +332,7 @@ def press(
             EquilibriumError,
             ArithmeticError,
         ) as error:  # a linear solve of the stuck contact may fail too
-            reason = f"stopped before {depth * 1e3:.2f} mm: {error}"
+            reason = f"stopped before {depth * 1e3:.2f} mm: {error}; less depth, or a finer mesh"
             break
         progress(float(depth))
     column = [np.array([row[k] for row in rows], float) for k in range(9)]

@@ -370,11 +370,12 @@ def _contact(site: Site, tool: Tool, settings: PressSettings, friction: float) -
 
 
 def _reaction_error(site: Site, found: Equilibrium, pose: Pose) -> float:
-    """Force and moment on the tool against the supports', as a share of the force (moments: times the patch's size)."""
+    """Force and moment on the tool against the supports', as a share of the force (times the body's size)."""
     force, moment = found.contact.force, found.contact.moment
     support = site.body.support_reaction(found.u, found.elastic)
     scale = max(float(np.linalg.norm(force)), 1e-300)
-    arm = float(np.linalg.norm(site.patch.points - site.contact_point, axis=1).max())
+    outline = np.concatenate([site.patch.points, site.surroundings.far_faces.reshape(-1, 3)])
+    arm = float(np.linalg.norm(outline - site.contact_point, axis=1).max())
     turned = moment + np.cross(pose.position, force) - support[3:]
     return float(max(np.linalg.norm(force - support[:3]) / scale, np.linalg.norm(turned) / (scale * arm)))
 

@@ -34,10 +34,9 @@ CONE = Cone(np.radians(80.0), 0.5e-3, length=2e-3)
 
 
 def tool_rows() -> Iterator[Row]:
-    """Punch, cone, turned scene."""
-    yield from punch_rows()
-    yield from cone_rows()
+    """Turned scene, punch."""
     yield turned_row()
+    yield from punch_rows()
 
 
 def punch_rows() -> Iterator[Row]:

@@ -83,8 +83,8 @@ def stiffening(poissons_ratio: float, membrane_length: float, contact_radius: fl
 def covered_rows() -> Iterator[Row]:
     """Force with a capsule over force without, d = 0.01 R, for two capsules.
 
-    On edges of 0.4 a the force comes out 0.5 and 1.6 % low, which is a tenth of the stiffening: some from the mesh, some
-    from penetration (with one multiplier update instead of four, kappa = 0.5 a: 0.7 %, and 0.6 % on edges of 0.25 a).
+    On edges of 0.4 a the force comes out 0.5 and 1.6 % low, which is a tenth of the stiffening: some from the mesh,
+    some from penetration (with one multiplier update instead of four, kappa = 0.5 a: 0.7 %; on edges of 0.25 a 0.6 %).
     """
     tool, depth = Sphere(RADIUS), 0.01 * RADIUS
     a = hertz.contact_radius(RADIUS, depth)

@@ -9,7 +9,7 @@ Lengths are in tool radii and stresses in Young's moduli, because CalculiX's own
 
 Neo-Hookean: CalculiX has W = C10 (I1 J^(-2/3) - 3) + (J - 1)^2 / D1; ours is C10 = mu / 2, D1 = 2 / kappa.
 
-Measured on a sphere of R = 5 mm in a layer of 15 mm, nu = 0.48, d = 0.6 R: see DECISIONS.md.
+What each setting changes, measured: DECISIONS.md.
 """
 
 from __future__ import annotations

@@ -25,6 +25,7 @@ from palpate.fem_offline.verification.row import Row, against, not_run
 __all__ = ["calculix_rows", "layer_force", "tool_size_rows"]
 
 TISSUE = NeoHookean(5400.0, 0.48)
+FRICTION = 0.3
 BAR = 0.02
 PLACE = np.array([1.3e-3, 0.7e-3, 0.0])
 """Off the block's planes of symmetry."""
@@ -41,25 +42,33 @@ def layer_force(pressed: LayerPress, fidelity: str = "full", refinement: float =
     organ = block_organ((2.0 * width, 2.0 * width, h), (cells, cells, 2), {0: pressed.material})
     tool, depths = Sphere(pressed.radius), np.array(pressed.depths)
     size = patch_size(tool, float(depths[-1]), radius=4.0 / 3.0 * h, refinement=refinement)
-    record = press(open_site(organ, PLACE, tool, size, fidelity), tool, depths)
+    site = open_site(organ, PLACE, tool, size, fidelity)
+    record = press(site, tool, depths, friction=pressed.friction)
     if not record.converged:
         raise RuntimeError(record.reason)
     return record.force[1:]
 
 
 def calculix_rows() -> Iterator[Row]:
-    """A sphere of 5 and one of 10 mm, up to 0.6 R deep in a layer of 15 mm."""
-    for radius in (5e-3, 10e-3):
-        depths = tuple(radius * np.array([0.2, 0.4, 0.6]))
-        pressed = LayerPress(radius, 15e-3, 60e-3, TISSUE, depths)
-        names = [f"sphere of {1e3 * radius:g} mm on a layer of 15 mm, d/R = {d / radius:.2g}" for d in depths]
-        try:
-            expected = calculix_force(pressed)
-        except CalculixMissingError as error:
-            yield from (not_run(name, PACKAGE, BAR, str(error)) for name in names)
-            continue
-        for name, ours, theirs in zip(names, layer_force(pressed), expected, strict=True):
-            yield against(name, PACKAGE, float(ours), float(theirs), BAR)
+    """A sphere of 5 and one of 10 mm, up to 0.6 R deep in a layer of 15 mm, without friction and with."""
+    for friction in (0.0, FRICTION):
+        for radius in (5e-3, 10e-3):
+            depths = tuple(radius * np.array([0.2, 0.4, 0.6]))
+            yield from _rows(LayerPress(radius, 15e-3, 60e-3, TISSUE, depths, friction))
+
+
+def _rows(pressed: LayerPress) -> Iterator[Row]:
+    sphere = f"sphere of {1e3 * pressed.radius:g} mm on {1e3 * pressed.thickness:g} mm"
+    if pressed.friction:
+        sphere += f", friction {pressed.friction:g}"
+    names = [f"{sphere}, d/R = {d / pressed.radius:.2g}" for d in pressed.depths]
+    try:
+        expected = calculix_force(pressed)
+    except CalculixMissingError as error:
+        yield from (not_run(name, PACKAGE, BAR, str(error)) for name in names)
+        return
+    for name, ours, theirs in zip(names, layer_force(pressed), expected, strict=True):
+        yield against(name, PACKAGE, float(ours), float(theirs), BAR)
 
 
 def tool_size_rows() -> Iterator[Row]:

@@ -26,6 +26,7 @@ from palpate.fem_offline.verification.half_space import (
 from palpate.fem_offline.verification.layer_rows import layer_rows
 from palpate.fem_offline.verification.locking import locking_rows
 from palpate.fem_offline.verification.materials import material_rows
+from palpate.fem_offline.verification.nodule import nodule_rows
 from palpate.fem_offline.verification.potential import lateral_rows
 from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.second_code import second_code_rows
@@ -71,6 +72,7 @@ def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "covered half space", covered_rows
     yield "fidelity", fidelity_rows
     yield "bonded layers", layer_rows
+    yield "nodule", nodule_rows
     yield "CalculiX", calculix_rows
     yield "tool size", tool_size_rows
 

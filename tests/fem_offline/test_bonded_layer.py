@@ -10,7 +10,7 @@ from scipy.special import j0
 from palpate.fem_offline.verification import hertz, sneddon
 from palpate.fem_offline.verification.bonded_layer import BondedLayer
 
-HAYES = {  # Hayes et al. 1972, kappa at nu = 0.3, 0.35, 0.4, 0.45, 0.5
+HAYES = {  # Hayes et al. 1972, as commonly quoted, not checked against a copy: kappa at nu = 0.3, 0.35, 0.4, 0.45, 0.5
     0.2: (1.207, 1.218, 1.232, 1.252, 1.281),
     0.4: (1.472, 1.502, 1.542, 1.599, 1.683),
     0.6: (1.784, 1.839, 1.917, 2.031, 2.211),

@@ -34,8 +34,9 @@ CONE = Cone(np.radians(80.0), 0.5e-3, length=2e-3)
 
 
 def tool_rows() -> Iterator[Row]:
-    """Turned scene, punch."""
+    """Turned scene, cone, punch."""
     yield turned_row()
+    yield from cone_rows()
     yield from punch_rows()
 
 

@@ -206,7 +206,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
         return false;
     }
     hold(s.books, m.work, s.energy + spring_energy(s.spring), r.energy + held);
-    if (!plain) change_touch(s, under, offset, r, status);
+    if (!plain) change_touch(s, m, under, offset, r, status);
 
     if (s.config.passivity_control != 0) {
         const double excess = s.books.hold_leak - s.books.dissipated_friction - s.books.dissipated_rule;

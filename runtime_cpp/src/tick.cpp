@@ -145,8 +145,12 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
 
     location at;
     locate(*s.field, m.q, at);
-    if (s.field->way_count > 1 || s.next_field != nullptr) turn_with_tool(state, s.config.tool_axis, m.axis);
-    tilt(*s.field, s.cosine, m, at);
+    m.cosine = s.cosine;
+    m.shift_before = m.shift = 0.0;
+    if (s.field->way_count > 1 || s.next_field != nullptr) {
+        turn_with_tool(state, s.config.tool_axis, m.axis);
+        tilt(*s.field, s.cosine, m, at);
+    }
     const double spacing = s.field->geometry.spacing;
     if (status == 0 && s.entry == gate::open && length_squared > spacing * spacing) {
         status |= check_stroke(s, m, at);

@@ -51,7 +51,11 @@ double touch_as_before(palpate_session& s, const motion& m, const location& at, 
     return offset;
 }
 
-void change_touch(palpate_session& s, const tissue& under, double& offset, response& r, std::uint32_t& status) noexcept {
+void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) noexcept {
+    if (s.config.response == PALPATE_RESPONSE_POTENTIAL && m.cosine == clamped_cosine(*s.field, s.cosine)) {
+        if (offset > 0.0) status |= PALPATE_TICK_RULE_YIELDED;  // nothing changed: the offset is the smallest one already
+        return;
+    }
     response changed;
     if (s.config.response == PALPATE_RESPONSE_AXIAL_UNGUARDED) {
         if (offset > under.depth) offset = under.depth;

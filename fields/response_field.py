@@ -31,10 +31,15 @@ class ToolReference:
 
     Attributes:
         name: scene name.
-        shape: "sphere" (others come with their own mechanics).
+        shape: sphere, flat_punch, cylinder, cone, capsule or mesh.
         offset: rho, m; depth = offset - signed distance of the reference point.
         parameters: shape parameters, SI (sphere: {"radius": m}).
-        hash: hex digest of shape, parameters, reference point and axis.
+        hash: hex digest of shape, parameters, reference point, axis and tilt.
+        axis: (3,) unit vector in the shape's own frame; points out of the tissue.
+        tip: (3,) m in the shape's own frame; the reference point.
+        tilt: rad between the axis and the surface's normal, leaning towards the first tangent (see `held_against`).
+        vertices, triangles: (V, 3) m and (G, 3); the tool's surface in its frame: the reference point at the origin,
+            z along the axis.  Empty for a sphere.
     """
 
     name: str
@@ -42,6 +47,24 @@ class ToolReference:
     offset: float
     parameters: dict[str, float]
     hash: str
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    tip: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tilt: float = 0.0
+    vertices: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)), compare=False)
+    triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.int32), compare=False)
+
+    def held_against(self, normal: np.ndarray) -> np.ndarray:
+        """(3, 3) rotation from the tool's frame to the organ's where the surface's unit normal is (3,).
+
+        Q = [cos b t_1 - sin b n, t_2, cos b n + sin b t_1], b the tilt; t_1 leans on the axis that n avoids most.
+        """
+        axis = np.eye(3)[np.argmin(np.abs(normal))]
+        first = axis - (axis @ normal) * normal
+        first /= np.linalg.norm(first)
+        c, s = np.cos(self.tilt), np.sin(self.tilt)
+        return np.stack(
+            [c * first - s * normal, np.cross(normal, first), c * normal + s * first], axis=1
+        )
 
 
 @dataclass(frozen=True)

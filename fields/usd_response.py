@@ -9,7 +9,7 @@
         Nodes                     Points with PalpateResponseAPI: the authored truth
         EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI
         Amplitudes                PalpateLatticeAPI
-        Tool                      Sphere (purpose guide), resting on the first node
+        Tool                      Sphere or Mesh (purpose guide), resting on the first node
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import hashlib
 import json
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
 from palpate.fields.field_check import check_contact_geometry, check_field
 from palpate.fields.field_error import FieldError
@@ -86,6 +86,9 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
         "tool_offset": tool.offset,
         "parameter_names": sorted(tool.parameters),
         "parameter_values": [tool.parameters[name] for name in sorted(tool.parameters)],
+        "tool_axis": tool.axis,
+        "tool_tip": tool.tip,
+        "tool_tilt": tool.tilt,
         "tool_hash": tool.hash,
         "depth_max": field.depth_max,
         "representation_names": sorted(field.representation),
@@ -145,13 +148,7 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
             )
     curves = {name: _read_curves(_child(response, name)) for name in _CURVES}
     field = ResponseField(
-        tool=ToolReference(
-            name=values["tool_name"],
-            shape=values["tool_shape"],
-            offset=values["tool_offset"],
-            parameters=_pairs(response, values, "parameter"),
-            hash=values["tool_hash"],
-        ),
+        tool=_read_tool(response, values),
         geometry=contact_from_prim(root),
         nodes=_read_nodes(_child(response, "Nodes")),
         energy_curves=curves["EnergyCurves"],
@@ -289,15 +286,49 @@ def _pairs(prim: Usd.Prim, values: dict, stem: str) -> dict[str, float]:
     return {str(name): float(number) for name, number in zip(names, numbers, strict=True)}
 
 
+def _read_tool(response: Usd.Prim, values: dict) -> ToolReference:
+    parameters = _pairs(response, values, "parameter")
+    geometry = {}
+    prim = response.GetChild("Tool")
+    if prim and prim.IsA(UsdGeom.Mesh):
+        triangles = np.array(UsdGeom.Mesh(prim).GetFaceVertexIndicesAttr().Get(), np.int32).reshape(-1, 3)
+        geometry = {"vertices": exact_points(prim), "triangles": triangles}
+    return ToolReference(
+        name=values["tool_name"],
+        shape=values["tool_shape"],
+        offset=values["tool_offset"],
+        parameters=parameters,
+        hash=values["tool_hash"],
+        axis=tuple(map(float, values["tool_axis"])),
+        tip=tuple(map(float, values["tool_tip"])),
+        tilt=values["tool_tilt"],
+        **geometry,
+    )
+
+
 def _tool_preview(parent: Sdf.PrimSpec, field: ResponseField) -> None:
-    if field.tool.shape != "sphere":
+    """The tool's own geometry, standing on the first node."""
+    tool, normal = field.tool, field.nodes.normal[0]
+    place = field.nodes.position[0] + tool.offset * normal
+    if tool.shape == "sphere":
+        radius = tool.parameters["radius"]
+        prim = child(parent, "Tool", "Sphere")
+        author(prim, "radius", "double", radius)
+        author(prim, "extent", "float3[]", [[-radius] * 3, [radius] * 3])
+        author(prim, "xformOp:translate", "double3", place)
+        author(prim, "xformOpOrder", "token[]", ["xformOp:translate"], uniform=True)
+    elif len(tool.vertices):
+        prim = child(parent, "Tool", "Mesh")
+        point_attributes(prim, tool.vertices)
+        author(prim, "faceVertexCounts", "int[]", np.full(len(tool.triangles), 3))
+        author(prim, "faceVertexIndices", "int[]", np.asarray(tool.triangles).reshape(-1))
+        author(prim, "subdivisionScheme", "token", "none", uniform=True)
+        author(prim, "orientation", "token", "rightHanded", uniform=True)
+        transform = np.eye(4)
+        transform[:3, :3], transform[3, :3] = tool.held_against(normal).T, place  # USD multiplies rows
+        author(prim, "xformOp:transform", "matrix4d", transform)
+        author(prim, "xformOpOrder", "token[]", ["xformOp:transform"], uniform=True)
+    else:
         return
-    radius = field.tool.parameters["radius"]
-    prim = child(parent, "Tool", "Sphere")
-    author(prim, "radius", "double", radius)
-    author(prim, "extent", "float3[]", [[-radius] * 3, [radius] * 3])
     author(prim, "purpose", "token", "guide", uniform=True)
     author(prim, "primvars:displayColor", "color3f[]", [TOOL], interpolation="constant")
-    place = field.nodes.position[0] + radius * field.nodes.normal[0]
-    author(prim, "xformOp:translate", "double3", place)
-    author(prim, "xformOpOrder", "token[]", ["xformOp:translate"], uniform=True)

@@ -19,7 +19,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 from palpate.fields.field_error import FieldError
 from palpate.fields.usd_read import field_at, read_contact, read_field, read_organ, tools
 from palpate.fields.usd_validators import asset_errors
-from palpate.fields.usd_write import write_asset
+from palpate.fields.usd_write import add_tool, write_asset
 
 
 def assert_same(a, b, where: str = "") -> None:
@@ -266,3 +266,40 @@ def test_missing_files_and_foreign_files_are_refused(asset, tmp_path):
     (asset.parent / "fields/ball_5mm.usdc").write_bytes(b"PXR-USDC" + bytes(80))
     with pytest.raises(FieldError):
         read_field(asset, "ball_5mm")
+
+
+def test_a_tool_with_a_geometry_of_its_own_comes_back_exactly(asset, make_field):
+    field = make_field("wedge", seed=5)
+    rng = np.random.default_rng(2)
+    tool = dataclasses.replace(
+        field.tool,
+        shape="mesh",
+        parameters={},
+        axis=(0.6, 0.0, 0.8),
+        tip=(1e-3, -2e-3, 3e-4),
+        tilt=0.3,
+        vertices=rng.normal(size=(4, 3)) * 1e-2,
+        triangles=np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], np.int32),
+    )
+    add_tool(asset.parent, dataclasses.replace(field, tool=tool))
+    read = read_field(asset, "wedge").tool
+    assert read == tool
+    assert np.array_equal(read.vertices, tool.vertices)
+    assert np.array_equal(read.triangles, tool.triangles)
+
+
+def test_a_previewed_tool_stands_on_the_first_node_along_its_normal(asset, make_field):
+    field = make_field("rod", seed=6)
+    vertices = np.array([[0.0, 0.0, 0.0], [1e-3, 0.0, 5e-2], [0.0, 1e-3, 5e-2], [-1e-3, 0.0, 5e-2]])
+    triangles = np.array([[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]], np.int32)
+    tool = dataclasses.replace(field.tool, shape="cone", offset=0.0, vertices=vertices, triangles=triangles)
+    add_tool(asset.parent, dataclasses.replace(field, tool=tool))
+    stage = Usd.Stage.Open(str(asset))
+    root = stage.GetDefaultPrim()
+    root.GetVariantSet("tool").SetVariantSelection("rod")
+    prim = root.GetPrimAtPath("Response/Tool")
+    world = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0.0)
+    tip = np.array(world.Transform(Gf.Vec3d(0, 0, 0)))
+    above = np.array(world.Transform(Gf.Vec3d(0, 0, 1)))
+    assert tip == pytest.approx(field.nodes.position[0])
+    assert above - tip == pytest.approx(field.nodes.normal[0])

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""From a scene's tool to one that presses, and to what an asset keeps of it.
+
+A `ToolShape` is plain values: it travels to workers, and its hash stands in every record.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from palpate.author.errors import InputError
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import Tool
+from palpate.author.scene_types import digest
+from palpate.author.tool_outline import outline_of
+from palpate.fem_offline import tool as solids
+from palpate.fem_offline.pose import tilted
+from palpate.fields.response_field import ToolReference
+
+__all__ = ["ToolShape", "offset_of", "reference_of", "shape_of", "shape_of_reference", "solid_tool"]
+
+E_Z = np.array([0.0, 0.0, 1.0])
+PARAMETERS = ("radius", "edge_radius", "half_angle", "length")
+"""A scene's names of a shape's numbers."""
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ToolShape:
+    """A rigid tool and how it is held, as plain values.
+
+    Attributes:
+        shape: as in the scene.
+        parameters: (name, value) pairs, SI, by the scene's names.
+        axis, tip: in the shape's own frame (fem_offline/placed_tool.py).
+        tilt: rad.
+        hash: hex digest of tool and tilt; what records and fields are valid for.
+    """
+
+    shape: str
+    parameters: tuple[tuple[str, float], ...]
+    axis: Vector = (0.0, 0.0, 1.0)
+    tip: Vector | None = None
+    tilt: float = 0.0
+
+    @property
+    def hash(self) -> str:
+        solid = solid_tool(self).hash()
+        return digest({"tool": solid, "tilt": self.tilt}) if self.tilt else solid
+
+
+def shape_of(scene: Scene, tool: Tool) -> ToolShape:
+    """Raises InputError where the numbers make no tool."""
+    given = {name: getattr(tool, name) for name in PARAMETERS}
+    given["radius"] = tool.radius[0] if tool.radius else None
+    parameters = tuple((name, float(value)) for name, value in given.items() if value is not None)
+    shape = ToolShape(
+        tool.shape,
+        parameters,
+        tool.axis or (0.0, 0.0, 1.0),
+        tool.tip,
+        tool.tilt[0] if tool.tilt else 0.0,
+    )
+    key = f"tool[{scene.tool.index(tool)}]"
+    try:
+        offset = offset_of(shape)
+    except ValueError as error:
+        raise InputError(scene.problem(key, None, f"is no {tool.shape}: {error}", "")) from error
+    if offset < 0.0:
+        what = f"lies {-1e3 * offset:.3g} mm outside the tool, on the tissue's side"
+        raise InputError(scene.problem(f"{key}.tip", tool.tip, what, "a point of the tool, or above it"))
+    return shape
+
+
+def solid_tool(shape: ToolShape) -> solids.Tool:
+    """The mechanics' tool.  Raises ValueError where the numbers make none."""
+    p = dict(shape.parameters)
+    held = {"axis": shape.axis, "tip": shape.tip}
+    if shape.shape == "sphere":
+        return solids.Sphere(p["radius"])
+    if shape.shape == "flat_punch":
+        return solids.FlatPunch(p["radius"], p.get("edge_radius"), **held)
+    if shape.shape == "cylinder":
+        return solids.Cylinder(p["radius"], p["length"], p.get("edge_radius"), **held)
+    if shape.shape == "capsule":
+        return solids.Capsule(p["radius"], p["length"], **held)
+    if shape.shape == "cone":
+        tip = {"tip_radius": p["edge_radius"]} if "edge_radius" in p else {}
+        return solids.Cone(p["half_angle"], **tip, **held)
+    raise ValueError(f"there is no shape {shape.shape!r}")
+
+
+def offset_of(shape: ToolShape) -> float:
+    """rho, m: how far the tool, held as it is, reaches from its reference point towards the tissue."""
+    return float(solid_tool(shape).offset_along(-E_Z @ tilted(E_Z, shape.tilt)))
+
+
+def reference_of(name: str, shape: ToolShape) -> ToolReference:
+    """What an asset keeps of a tool: enough to press with it again."""
+    tool = solid_tool(shape)
+    if isinstance(tool, solids.Sphere):
+        return ToolReference(name, shape.shape, tool.radius, dict(shape.parameters), shape.hash)
+    vertices, triangles = outline_of(tool)
+    return ToolReference(
+        name,
+        shape.shape,
+        offset_of(shape),
+        dict(shape.parameters),
+        shape.hash,
+        tuple(map(float, tool.unit_axis)),
+        tuple(map(float, tool.reference_point)),
+        shape.tilt,
+        vertices,
+        triangles,
+    )
+
+
+def shape_of_reference(reference: ToolReference) -> ToolShape:
+    """The tool that an asset's field was pressed with."""
+    tip = None if reference.shape == "sphere" else reference.tip
+    parameters = tuple((name, reference.parameters[name]) for name in PARAMETERS if name in reference.parameters)
+    return ToolShape(reference.shape, parameters, reference.axis, tip, reference.tilt)

@@ -20,17 +20,17 @@ __all__ = ["CAPABILITIES", "require_capabilities"]
 
 CAPABILITIES: dict[str, Any] = {
     "effects": ("response", "friction"),
-    "material models": ("neo_hookean",),
-    "smallest Poisson's ratio": 0.3,
-    "largest Poisson's ratio": 0.495,
+    "material models": ("linear", "neo_hookean", "mooney_rivlin", "ogden", "yeoh", "veronda_westmann"),
+    "smallest Poisson's ratio": 0.0,
+    "largest Poisson's ratio": 0.4999,
     "USD organ surfaces": False,
     "regions": True,
-    "capsule": False,
+    "capsule": True,
     "painted stiffness": False,
-    "support kinds": ("fixed",),
-    "tool shapes": ("sphere",),
+    "support kinds": ("fixed", "elastic"),
+    "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule"),
     "several radii of a tool": False,
-    "tilted tools": False,
+    "several tilts of a tool": False,
     "depth over tool radius": 1.0,
     "responses": ("potential",),
     "fidelities": ("near_field", "full"),
@@ -108,9 +108,9 @@ def _tool(key: str, tool: Tool, scene: Scene) -> Iterator[Unsupported]:
         return
     if tool.radius is not None and len(tool.radius) > 1:
         yield from _switch(f"{key}.radius", list(tool.radius), "several radii of a tool", "one radius")
-    if tool.tilt is not None:
-        yield from _switch(f"{key}.tilt", list(tool.tilt), "tilted tools", "no tilt")
-    if tool.shape == "sphere" and tool.radius:
+    if tool.tilt is not None and len(tool.tilt) > 1:
+        yield from _switch(f"{key}.tilt", list(tool.tilt), "several tilts of a tool", "one tilt")
+    if tool.radius:
         ratio = CAPABILITIES["depth over tool radius"]
         limit = ratio * min(tool.radius)
         if scene.depth_max(tool) > limit * (1.0 + 1e-9):

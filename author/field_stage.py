@@ -14,15 +14,15 @@ from palpate.author.press_jobs import PressOutcome
 from palpate.author.sampling import ReachSamples
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
+from palpate.author.tool_stage import offset_of, reference_of, shape_of
 from palpate.fem_offline.pose import tangents
-from palpate.fem_offline.tool import Sphere
 from palpate.fields.as_cooked import as_cooked
 from palpate.fields.build_field import build_field
 from palpate.fields.contact_geometry import contact_geometry
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
-from palpate.fields.response_field import ContactGeometry, ResponseField, ToolReference
+from palpate.fields.response_field import ContactGeometry, ResponseField
 
-__all__ = ["band_of", "contact_geometry_of", "field_of", "tool_reference"]
+__all__ = ["band_of", "contact_geometry_of", "field_of"]
 
 SMALL_MOVE = 1e-4
 """m; the linear sticking stiffness is handed on as two moves this long."""
@@ -36,16 +36,11 @@ REACH_MARGIN = 15e-3
 """m beyond the reach in which amplitudes fall to zero, and so geometry must be known."""
 
 
-def tool_reference(tool: Tool) -> ToolReference:
-    radius = float(tool.radius[0])  # type: ignore[index]  (require_capabilities: a sphere with one radius)
-    return ToolReference(tool.name, tool.shape, radius, {"radius": radius}, Sphere(radius).hash())
-
-
 def band_of(scene: Scene) -> tuple[float, float]:
     """(low, high) m of phi that all tools of the scene need."""
     low, high = np.inf, -np.inf
     for tool in scene.tool:
-        offset, depth = tool_reference(tool).offset, scene.depth_max(tool)
+        offset, depth = offset_of(shape_of(scene, tool)), scene.depth_max(tool)
         low = min(low, offset - depth - max(DEEPER * depth, 1.5e-3))
         high = max(high, offset + BAND_OUTSIDE)
     return float(low), float(high)
@@ -114,7 +109,7 @@ def field_of(
                 {"tool": tool.name, "contact_point": point, "reason": reason, "hash": outcome.key}
             )
     count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
-    reference = tool_reference(tool)
+    reference = reference_of(tool.name, shape_of(scene, tool))
     nodes = fit_nodes(usable, uniform_knots(depth_max, count), reference.offset, geometry)
     field = build_field(
         nodes, geometry, reference, samples.beyond(mesh), margin=REACH_MARGIN, provenance=provenance

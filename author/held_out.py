@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.press_jobs import PressJob, PressOutcome
+from palpate.author.tool_stage import ToolShape
 from palpate.runtime import Config, Field, Session
 
 __all__ = ["FLOOR", "held_out_jobs", "judgement", "percentiles"]
@@ -43,7 +44,7 @@ class _Rendered:
 
 
 def held_out_jobs(
-    points: np.ndarray, radius: float, depths: np.ndarray, friction: float, fidelity: str, seed: int
+    points: np.ndarray, tool: ToolShape, depths: np.ndarray, friction: float, fidelity: str, seed: int
 ) -> list[PressJob]:
     """Jobs at points (n, 3) m; with friction, each sticks and moves aside at half and full depth."""
     generator = np.random.default_rng(seed + 1_000_003)
@@ -57,7 +58,7 @@ def held_out_jobs(
             else ()
         )
         jobs.append(
-            PressJob(tuple(map(float, point)), radius, tuple(map(float, depths)), fidelity, moves, friction)
+            PressJob(tuple(map(float, point)), tool, tuple(map(float, depths)), fidelity, moves, friction)
         )
     return jobs
 

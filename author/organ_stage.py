@@ -20,25 +20,19 @@ from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts
 from palpate.author.plan import planned_mesh_size
 from palpate.author.scene import Scene
-from palpate.author.scene_tables import Material, Region, Support
+from palpate.author.scene_tables import Capsule, Material, Region, Support
 from palpate.author.scene_types import digest
+from palpate.author.solid import material_values, skin_of, solid_of
 from palpate.author.store import Store
 from palpate.fem_offline.errors import MeshError, SurfaceError
-from palpate.fem_offline.material import NeoHookean
-from palpate.fem_offline.organ import Organ, faces_held
+from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.signed_distance import SignedDistance
 from palpate.fem_offline.surface import OrganSurface, repair_surface
 from palpate.fem_offline.tetrahedra import tetrahedralise
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.organ_geometry import Support as GeometrySupport
 
-__all__ = ["OrganMesh", "mesh_organ", "solid_of"]
-
-
-def solid_of(material: Material) -> NeoHookean:
-    """The mechanics' material of a scene's material table (checked by `require_capabilities`)."""
-    nu = material.poissons_ratio
-    return NeoHookean(2.0 * (1.0 + nu) * material.shear_modulus, nu)
+__all__ = ["OrganMesh", "mesh_organ"]
 
 
 @dataclass(frozen=True)
@@ -48,9 +42,9 @@ class OrganMesh:
     Attributes:
         vertices (V, 3) m, triangles (F, 3): the smooth closed surface.
         points (P, 3) m, tets (T, 4): tetrahedra, positive.
-        scene_organ: the scene's [organ] table.
+        material, supports, regions, capsule: the scene's tables.
         report: surface and mesh reports, JSON-clean.
-        hash: hex digest of mesh, materials and supports; every press depends on it.
+        hash: hex digest of mesh, materials, capsule and supports; every press depends on it.
     """
 
     vertices: np.ndarray
@@ -63,13 +57,26 @@ class OrganMesh:
     regions: tuple[Region, ...]
     report: dict[str, Any]
     hash: str
+    capsule: Capsule | None = None
 
     def held(self, points: np.ndarray) -> np.ndarray:
-        """(n, 3) m -> (n,) bool; inside a support."""
+        """(n, 3) m -> (n,) bool; inside a fixed support."""
         inside = np.zeros(len(points), bool)
         for support in self.supports:
-            inside |= support.contains(points)
+            inside |= (support.kind == "fixed") & support.contains(points)
         return inside
+
+    def spring(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) m -> (n,) Pa/m; of elastic supports, added up where they overlap."""
+        stiffness = np.zeros(len(points))
+        for support in self.supports:
+            if support.kind == "elastic":
+                stiffness += support.stiffness * support.contains(points)
+        return stiffness
+
+    def supported(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) m -> (n,) bool; inside a support of any kind, where no tool is let."""
+        return self.held(points) | (self.spring(points) > 0.0)
 
     def label_at(self, points: np.ndarray) -> np.ndarray:
         """(n, 3) m -> (n,) int; 0: the organ's tissue, k: the scene's k-th region; later regions win."""
@@ -95,19 +102,26 @@ class OrganMesh:
             self.distance.project,
             self.hash,
             self.label_at if self.regions else None,
+            elastic=self.spring if any(s.kind == "elastic" for s in self.supports) else None,
+            capsule=None if self.capsule is None else skin_of(self.capsule),
         )
 
     def geometry(self, reach: np.ndarray) -> OrganGeometry:
         """The asset's view; reach (F,) bool of surface triangles that a tool may touch."""
         organ = self.organ
-        on_face = faces_held(self.points, organ.faces, self.held)
         supports = []
         for i, support in enumerate(self.supports):
             inside = support.contains(self.points)
-            mine = organ.faces[on_face & inside[organ.faces].all(axis=1)]
+            mine = organ.faces[inside[organ.faces].all(axis=1)]
             shown = np.flatnonzero(support.contains(self.vertices)[self.triangles].all(axis=1))
             supports.append(
-                GeometrySupport(f"support_{i}", np.unique(mine).astype(np.int32), shown.astype(np.int32))
+                GeometrySupport(
+                    f"support_{i}",
+                    np.unique(mine).astype(np.int32),
+                    shown.astype(np.int32),
+                    support.kind,
+                    support.stiffness or 0.0,
+                )
             )
         return OrganGeometry(
             name=self.name,
@@ -119,19 +133,20 @@ class OrganMesh:
             region_names=("tissue", *(region.name for region in self.regions)),
             region_label=organ.label.astype(np.int32),
             reach_triangles=np.flatnonzero(reach).astype(np.int32),
-            material=_material_values(self.material),
-            region_materials={region.name: _material_values(region.material) for region in self.regions},
+            material=material_values(self.material) | self._capsule_values,
+            region_materials={region.name: material_values(region.material) for region in self.regions},
             provenance={"surface": self.report["surface"], "mesh": self.report["mesh"]},
         )
 
+    @property
+    def _capsule_values(self) -> dict[str, Any]:
+        if self.capsule is None:
+            return {}
+        material = material_values(self.capsule.material)
+        return {"capsule": {"thickness": self.capsule.thickness, "material": material}}
+
     def __getstate__(self) -> dict[str, Any]:
         return {k: v for k, v in self.__dict__.items() if k not in ("distance", "organ")}
-
-
-def _material_values(material: Material) -> dict[str, Any]:
-    solid = solid_of(material)
-    values = {"youngs_modulus": solid.youngs_modulus, "poissons_ratio": solid.poissons_ratio}
-    return {"model": material.model, **values}
 
 
 def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
@@ -172,6 +187,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
             "material": table.material.hash_inputs(),
             "supports": [support.hash_inputs() for support in table.support],
             "regions": [region.hash_inputs() for region in table.region],
+            "capsule": table.capsule.hash_inputs() if table.capsule else None,
         }
     )
     mesh = OrganMesh(
@@ -185,6 +201,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         table.region,
         {"surface": surface_report, "mesh": mesh_report},
         identity,
+        table.capsule,
     )
     _refuse_idle_supports(scene, mesh)
     return mesh

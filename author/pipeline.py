@@ -16,7 +16,7 @@ import numpy as np
 
 from palpate.author.effort import node_count
 from palpate.author.errors import InputError
-from palpate.author.field_stage import contact_geometry_of, field_of, tool_reference
+from palpate.author.field_stage import contact_geometry_of, field_of
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh, mesh_organ
@@ -27,6 +27,7 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
+from palpate.author.tool_stage import ToolShape, reference_of, shape_of
 
 __all__ = ["author", "ladder", "node_jobs"]
 
@@ -43,9 +44,9 @@ def ladder(depth_max: float) -> np.ndarray:
     return depth_max * np.arange(1, LADDER_STEPS + 1) / LADDER_STEPS
 
 
-def node_jobs(points: np.ndarray, radius: float, depth_max: float, fidelity: str) -> list[PressJob]:
+def node_jobs(points: np.ndarray, tool: ToolShape, depth_max: float, fidelity: str) -> list[PressJob]:
     depths = tuple(map(float, ladder(depth_max)))
-    return [PressJob(tuple(map(float, point)), radius, depths, fidelity) for point in points]
+    return [PressJob(tuple(map(float, point)), tool, depths, fidelity) for point in points]
 
 
 def author(scene: Scene, out: Path, progress: Progress | None = None) -> dict[str, Any]:
@@ -146,7 +147,8 @@ class _ToolWork:
 
     def __init__(self, scene: Scene, mesh: OrganMesh, tool: Tool) -> None:
         self.tool = tool
-        self.reference = tool_reference(tool)
+        self.shape = shape_of(scene, tool)
+        self.reference = reference_of(tool.name, self.shape)
         self.depth_max = scene.depth_max(tool)
         self.seed = scene.accuracy.seed
         self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.reference.offset, self.depth_max)
@@ -161,12 +163,12 @@ class _ToolWork:
         held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
         nodes = farthest_points(self.samples, count)
         friction = (tool.friction or 0.0) if "friction" in scene.effects else 0.0
-        radius, depths = self.reference.offset, ladder(self.depth_max)
+        shape, depths = self.shape, ladder(self.depth_max)
         points = self.samples.points
-        self.node_jobs = node_jobs(points[nodes], radius, self.depth_max, scene.accuracy.fidelity)
-        self.held_jobs = held_out_jobs(points[held], radius, depths, friction, TRUTH, self.seed)
+        self.node_jobs = node_jobs(points[nodes], shape, self.depth_max, scene.accuracy.fidelity)
+        self.held_jobs = held_out_jobs(points[held], shape, depths, friction, TRUTH, self.seed)
         self.near_jobs = (
-            node_jobs(points[held[:NEAR_CHECKS]], radius, self.depth_max, "near_field")
+            node_jobs(points[held[:NEAR_CHECKS]], shape, self.depth_max, "near_field")
             if scene.accuracy.fidelity == "near_field"
             else []
         )
@@ -195,6 +197,8 @@ class _ToolWork:
                 "region": [r.model_dump(mode="json", exclude_none=True) for r in scene.organ.region],
                 "reach": scene.reach.model_dump(mode="json", exclude_none=True),
                 "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
+                "capsule": scene.organ.capsule
+                and scene.organ.capsule.model_dump(mode="json", exclude_none=True),
                 "tool": self.tool.model_dump(mode="json", exclude_none=True),
                 "accuracy": scene.accuracy.model_dump(mode="json", exclude_none=True),
             },

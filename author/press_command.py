@@ -20,7 +20,6 @@ import numpy as np
 
 from palpate.author.console import plain
 from palpate.author.errors import InputError, InputProblem, PalpateError
-from palpate.author.field_stage import tool_reference
 from palpate.author.organ_stage import OrganMesh, mesh_organ
 from palpate.author.pipeline import ladder
 from palpate.author.press_jobs import PressJob, PressOutcome, run_here
@@ -28,6 +27,7 @@ from palpate.author.progress import Progress, SilentProgress
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.store import Store
+from palpate.author.tool_stage import offset_of, shape_of
 from palpate.fem_offline.pose import tangents
 
 __all__ = ["PressFiles", "press", "press_lines"]
@@ -131,11 +131,11 @@ def _job(
     ):
         what = f"presses {1e3 * depth:.1f} mm deep where the tissue is thinner than {2.5e3 * depth:.1f} mm"
         raise InputError(scene.problem("--depth", depth, what, "at most 40 % of the local thickness"))
-    if mesh.held(contact)[0]:
+    if mesh.supported(contact)[0]:
         raise InputError(scene.problem("--at", list(at), "lies on a support", "a free place on the surface"))
     return PressJob(
         tuple(map(float, contact[0])),
-        tool_reference(tool).offset,
+        shape_of(scene, tool),
         tuple(map(float, ladder(depth))),
         fidelity,
         lateral=None if lateral is None else (float(lateral[0]), float(lateral[1])),
@@ -147,7 +147,7 @@ def _result(scene: Scene, tool: Tool, mesh: OrganMesh, outcome: PressOutcome) ->
     arrays, values = outcome.arrays, outcome.values
     if "normal" not in arrays:
         raise PalpateError(f"the press could not be set up: {values['reason']}")
-    reference = tool_reference(tool)
+    shape = outcome.job.tool
     names = (
         "force_vector",
         "moment",
@@ -163,9 +163,10 @@ def _result(scene: Scene, tool: Tool, mesh: OrganMesh, outcome: PressOutcome) ->
         "tool": {
             "name": tool.name,
             "shape": tool.shape,
-            "parameters": dict(reference.parameters),
-            "offset": reference.offset,
-            "hash": reference.hash,
+            "parameters": dict(shape.parameters),
+            "tilt": shape.tilt,
+            "offset": offset_of(shape),
+            "hash": shape.hash,
         },
         "material": {
             **scene.organ.material.model_dump(mode="json", exclude_none=True),

@@ -26,6 +26,7 @@ from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
+from palpate.author.tool_stage import ToolShape, solid_tool
 from palpate.fem_offline.pose import tangents
 
 __all__ = [
@@ -47,7 +48,7 @@ class PressJob:
 
     Attributes:
         contact_point: (3,) m.
-        radius: of the sphere, m.
+        tool: and how it is held.
         depths: (K - 1,) m, rising, without 0.
         fidelity: "near_field" or "full".
         moves: tangential sticking moves: depth index -> how far, as a share of the reachable stretch mu f / k
@@ -58,7 +59,7 @@ class PressJob:
     """
 
     contact_point: tuple[float, float, float]
-    radius: float
+    tool: ToolShape
     depths: tuple[float, ...]
     fidelity: str
     moves: tuple[tuple[int, float, float], ...] = ()
@@ -68,7 +69,8 @@ class PressJob:
     shape: bool = False
 
     def key(self, mesh: OrganMesh) -> str:
-        return digest({"organ": mesh.hash, "job": asdict(self), "mechanics": mechanics_version()})
+        asked = {**asdict(self), "tool": self.tool.hash}
+        return digest({"organ": mesh.hash, "job": asked, "mechanics": mechanics_version()})
 
 
 @dataclass(frozen=True)
@@ -116,7 +118,6 @@ def solve(
     from palpate.fem_offline.patch import PatchError
     from palpate.fem_offline.press import press
     from palpate.fem_offline.site import open_site, patch_size
-    from palpate.fem_offline.tool import Sphere
 
     begun, cpu = time.perf_counter(), time.process_time()
     store = Store(Path(folder))
@@ -125,11 +126,11 @@ def solve(
         arrays, _ = store.kept("far_field", key, lambda: (asdict(make()), {}))
         return FarField(**arrays)
 
-    tool = Sphere(job.radius)
-    size = patch_size(tool, job.depths[-1], refinement=job.refinement)
+    tool, tilt = solid_tool(job.tool), job.tool.tilt
     deepest: dict[str, Any] = {}
     try:
-        site = open_site(_organ(mesh), np.array(job.contact_point), tool, size, job.fidelity, far_field)
+        size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt)
+        site = open_site(_organ(mesh), np.array(job.contact_point), tool, size, job.fidelity, far_field, tilt)
         record = press(
             site,
             tool,
@@ -143,7 +144,7 @@ def solve(
         values: dict[str, Any] = {"converged": False, "reason": str(error), "lateral": [], "unknowns": 0}
     else:
         fields = {name: getattr(record, name) for name in record.__dataclass_fields__}
-        ladders = fields.pop("lateral")
+        ladders, fields["sliding"] = fields.pop("lateral"), None
         arrays = {name: v for name, v in fields.items() if isinstance(v, np.ndarray)}
         values = {name: v for name, v in fields.items() if not isinstance(v, np.ndarray)}
         values["lateral"] = [

@@ -79,7 +79,7 @@ def reach_samples(
     spacing = max(min(spacing, longest), np.sqrt(total / 60_000))
     points = _spread_over(corners[chosen], area[chosen], spacing)
     points, normals = mesh.distance.project(points)
-    keep = reach.contains(points) & ~mesh.held(points)
+    keep = reach.contains(points) & ~mesh.supported(points)
     points, normals = points[keep], normals[keep]
     reasons = {}
     q = points + offset * normals

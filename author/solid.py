@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from palpate.author.scene_tables import Material
+from palpate.author.scene_tables import Capsule, Material
 
 if TYPE_CHECKING:  # kernels come with it
     from palpate.fem_offline.material import Material as Solid
+    from palpate.fem_offline.membrane import Capsule as Skin
 
-__all__ = ["material_values", "solid_of"]
+__all__ = ["material_values", "skin_of", "solid_of"]
 
 
 def solid_of(material: Material) -> Solid:
@@ -35,6 +36,13 @@ def solid_of(material: Material) -> Solid:
     return (
         solids.Linear(youngs_modulus, nu) if m.model == "linear" else solids.NeoHookean(youngs_modulus, nu)
     )
+
+
+def skin_of(capsule: Capsule) -> Skin:
+    """The mechanics' membrane of a scene's capsule table."""
+    from palpate.fem_offline.membrane import Capsule as Skin
+
+    return Skin(capsule.thickness, solid_of(capsule.material))
 
 
 def material_values(material: Material) -> dict[str, Any]:

@@ -20,8 +20,9 @@ from palpate.author.pipeline import TRUTH, ladder
 from palpate.author.press_jobs import press_executor, run_jobs
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import held_out_points, reach_samples
-from palpate.author.scene_tables import Material, Reach, Region, Support
+from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support
 from palpate.author.store import Store
+from palpate.author.tool_stage import shape_of_reference
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField
 
@@ -42,6 +43,7 @@ def mesh_of_asset(organ: OrganGeometry, field: ResponseField) -> OrganMesh:
         tuple(Region.model_validate(region) for region in scene["region"]),
         organ.provenance,
         field.provenance["organ"],
+        Capsule.model_validate(scene["capsule"]) if scene.get("capsule") else None,
     )
 
 
@@ -74,7 +76,7 @@ def validate(
     friction = (scene["tool"].get("friction") or 0.0) if "friction" in scene["effects"] else 0.0
     jobs = held_out_jobs(
         samples.points[chosen],
-        field.tool.parameters["radius"],
+        shape_of_reference(field.tool),
         ladder(field.depth_max),
         friction,
         TRUTH,

@@ -8,9 +8,13 @@ from known_organ import KnownOrgan, field_of
 
 from palpate.author.held_out import judgement, percentiles
 from palpate.author.press_jobs import PressJob, PressOutcome
+from palpate.author.tool_stage import ToolShape
 from palpate.fields.cook import cook
 from palpate.fields.interpolation import evaluate
 from palpate.runtime import Field
+
+
+BALL = ToolShape("sphere", (("radius", 5e-3),))
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +32,7 @@ def outcome(field, factor: float, sideways: float = 0.0) -> PressOutcome:
     force = response.force + (factor - 1.0) * f_n[:, None] * n + sideways * f_n[:, None] * tangent
     arrays = {"contact_point": c, "normal": n, "depth": depth, "force_vector": force}
     values = {"converged": True, "reason": "", "seconds": 1.0, "lateral": []}
-    return PressOutcome(PressJob(tuple(c), 5e-3, tuple(depth[1:]), "full"), "key", arrays, values)
+    return PressOutcome(PressJob(tuple(c), BALL, tuple(depth[1:]), "full"), "key", arrays, values)
 
 
 def test_a_press_that_the_field_equals_has_no_error(field):

@@ -92,6 +92,7 @@ def press(
     depth: Annotated[str, typer.Option("--depth", metavar="D", help='deepest state, such as "5 mm"')],
     lateral: Annotated[str, typer.Option("--lateral", metavar="DX,DY", help="then, sticking, aside")] = "",
     fidelity: Annotated[str, typer.Option("--fidelity", help="near_field or full; default: scene's")] = "",
+    drag: Annotated[bool, typer.Option("--drag", help="then drag it both ways: friction over depth")] = False,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="keeps the work, the answer and a picture")
     ] = None,
@@ -125,6 +126,7 @@ def press(
                 lateral=move,
                 fidelity=chosen,
                 progress=progress,
+                drag=drag,
                 files=files,
             )
         return Answer(result, [press_lines(result)], 0 if result["converged"] else 1)

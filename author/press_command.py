@@ -12,7 +12,7 @@ import json
 import tempfile
 from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +32,8 @@ from palpate.fem_offline.pose import tangents
 
 __all__ = ["PressFiles", "press", "press_lines"]
 
+DRAG_SHARES = (0.25, 0.5, 0.75, 1.0)
+"""Of the depth; where --drag drags."""
 SUFFIXES = {"plot": (".png",), "vtu": (".vtu",), "usd": (".usda", ".usdc", ".usd")}
 
 
@@ -71,12 +73,14 @@ def press(
     lateral: Sequence[float] | None = None,
     fidelity: str = "near_field",
     progress: Progress | None = None,
+    drag: bool = False,
     files: PressFiles = PressFiles(),
 ) -> dict[str, Any]:
     """Press `tool` at the surface point nearest to `at` (3 coordinates, m) down to `depth` (m).
 
     Args:
         lateral: two lengths (m) along the surface's tangents; the contact then sticks and moves aside.
+        drag: then drag the tool both ways at DRAG_SHARES of the depth, with its friction.
         files: what is written beside the answer.
 
     Returns:
@@ -95,8 +99,15 @@ def press(
         store = Store(folder)
         progress.stage("surface and tetrahedra")
         mesh = mesh_organ(scene, store)
-        job = _job(scene, mesh, named, at, depth, lateral, fidelity, files.shows_shape)
-        progress.stage("press", len(job.depths))
+        job = _job(scene, mesh, named, at, depth, fidelity)
+        job = replace(
+            job,
+            lateral=None if lateral is None else (float(lateral[0]), float(lateral[1])),
+            shape=files.shows_shape,
+            friction=_friction(scene, named) if drag else 0.0,
+            drag=tuple(float(share * depth) for share in DRAG_SHARES) if drag else (),
+        )
+        progress.stage("press", len(job.depths) + len(job.drag))
         outcome = run_here(mesh, job, store, lambda d: progress.advance(1, f"{1e3 * d:.2f} mm deep"))
     result = _result(scene, named, mesh, outcome)
     result["files"] = _written(files, result, outcome, progress)
@@ -120,9 +131,7 @@ def _job(
     tool: Tool,
     at: Sequence[float],
     depth: float,
-    lateral: Sequence[float] | None,
     fidelity: str,
-    shape: bool,
 ) -> PressJob:
     contact, normal = mesh.distance.project(np.array([at]))
     if (
@@ -138,9 +147,17 @@ def _job(
         shape_of(scene, tool),
         tuple(map(float, ladder(depth))),
         fidelity,
-        lateral=None if lateral is None else (float(lateral[0]), float(lateral[1])),
-        shape=shape,
     )
+
+
+def _friction(scene: Scene, tool: Tool) -> float:
+    """The tool's coefficient.  Raises InputError where there is none to drag with."""
+    if not tool.friction:
+        key = f"tool[{scene.tool.index(tool)}].friction"
+        raise InputError(
+            scene.problem(key, tool.friction, "drags nothing", "a coefficient above 0 for --drag")
+        )
+    return tool.friction
 
 
 def _result(scene: Scene, tool: Tool, mesh: OrganMesh, outcome: PressOutcome) -> dict[str, Any]:
@@ -181,6 +198,7 @@ def _result(scene: Scene, tool: Tool, mesh: OrganMesh, outcome: PressOutcome) ->
         **{name: arrays[name] for name in names},
         "residual": float(arrays["residual"].max()),
         "lateral": values["lateral"],
+        "drag": values.get("drag"),
         **{name: values[name] for name in facts},
         "fidelity": outcome.job.fidelity,
         "hash": outcome.key,

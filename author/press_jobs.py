@@ -53,8 +53,9 @@ class PressJob:
         fidelity: "near_field" or "full".
         moves: tangential sticking moves: depth index -> how far, as a share of the reachable stretch mu f / k
             in a direction at `angle` from the first tangent.
-        friction: mu, for the reachable stretch.
+        friction: mu, for the reachable stretch and for dragging.
         lateral: (2,) m or None; an explicit move at the last depth instead (along the tangents).
+        drag: depths (m, rising) at which the tool is dragged both ways along the first tangent.
         shape: keep the deformed patch at the deepest state as well (arrays named "shape_...").
     """
 
@@ -66,6 +67,7 @@ class PressJob:
     friction: float = 0.0
     lateral: tuple[float, float] | None = None
     refinement: float = 1.0
+    drag: tuple[float, ...] = ()
     shape: bool = False
 
     def key(self, mesh: OrganMesh) -> str:
@@ -151,6 +153,8 @@ def solve(
             {name: np.asarray(v).tolist() for name, v in asdict(ladder).items()} for ladder in ladders
         ]
         values["patch"] = {"tets": len(site.patch.tets), "quality": site.patch.quality}
+        if job.drag:
+            values["drag"] = _dragged(site, tool, job, progress)
         if job.shape and deepest:
             found = deepest["found"]
             shown = deformed_patch(site, found.u, found.contact.traction)
@@ -160,6 +164,35 @@ def solve(
     values["cpu_seconds"] = time.process_time() - cpu
     store.write("press", job.key(mesh), arrays, values)
     return arrays, values
+
+
+def _dragged(site: Any, tool: Any, job: PressJob, progress: Callable[[float], None]) -> dict[str, Any]:
+    """What dragging found, JSON-clean; fields of `fem_offline.dragging.DragRecord` along one direction."""
+    from palpate.fem_offline.dragging import drag
+
+    found = drag(site, tool, job.drag, job.friction, progress=progress)
+    return {
+        "depth": found.depth.tolist(),
+        "direction": found.directions[0].tolist(),
+        "given": found.friction,
+        "friction": found.effective[:, 0].tolist(),
+        "one_way": found.one_way[:, 0].tolist(),
+        "amontons": found.amontons,
+        "spread": found.spread,
+        "converged": found.converged,
+        "reason": found.reason,
+        "paths": [
+            {
+                "depth": path.depth,
+                "direction": path.direction.tolist(),
+                "way": path.way.tolist(),
+                "force_vector": path.force_vector.tolist(),
+                "energy_error": path.energy_error,
+                "steady": path.steady,
+            }
+            for path in found.paths
+        ],
+    }
 
 
 def _moves(job: PressJob):

@@ -132,13 +132,20 @@ def _sideways(axes: Axes, result: dict[str, Any]) -> None:
 
 def _dragging(axes: Axes, result: dict[str, Any]) -> None:
     drag = result["drag"]
-    depth = _depth_axis(axes, result, "friction coefficient")
+    _depth_axis(axes, result, "friction coefficient")
     depth = 1e3 * np.asarray(drag["depth"])
-    axes.plot(depth, drag["friction"], "-o", color=RENDERED, ms=4, lw=1.2, label="dragged both ways")
-    axes.axhline(drag["given"], color=QUIET, lw=1.0, ls=":", label="given")
-    axes.legend(fontsize=8, frameon=False)
+    one_way = np.asarray(drag["one_way"], float)
+    axes.axhline(drag["given"], color=QUIET, lw=1.2, ls=":", label="given at each point")
+    for k, (mark, word) in enumerate((("^", "one way"), ("v", "the other way"))):
+        axes.plot(depth, one_way[:, k], mark, color=ACROSS, ms=5, mfc="none", label=word)
+    axes.plot(
+        depth, np.asarray(drag["friction"], float), "-o", color=RENDERED, ms=4, lw=1.2, label="both ways"
+    )
+    axes.legend(fontsize=8, frameon=False, loc="lower right")
     axes.set_ylim(bottom=0.0)
-    axes.set_title("effective friction", fontsize=9.5, color=INK, loc="left")
+    law = "Amontons' law holds" if drag["amontons"] else "Amontons' law does NOT hold"
+    title = drag["reason"] or f"dragged: {law},\nspread over depth {100 * drag['spread']:.2g} %"
+    axes.set_title(title, fontsize=9.5, color=INK, loc="left")
 
 
 def _facts(axes: Axes, result: dict[str, Any]) -> None:

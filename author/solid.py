@@ -33,9 +33,7 @@ def solid_of(material: Material) -> Solid:
     if m.model == "veronda_westmann":
         return solids.VerondaWestmann(_given(m.c1), _given(m.c2), nu)
     youngs_modulus = 2.0 * (1.0 + nu) * m.shear_modulus
-    return (
-        solids.Linear(youngs_modulus, nu) if m.model == "linear" else solids.NeoHookean(youngs_modulus, nu)
-    )
+    return solids.Linear(youngs_modulus, nu) if m.model == "linear" else solids.NeoHookean(youngs_modulus, nu)
 
 
 def skin_of(capsule: Capsule) -> Skin:

@@ -122,5 +122,7 @@ def reference_of(name: str, shape: ToolShape) -> ToolReference:
 def shape_of_reference(reference: ToolReference) -> ToolShape:
     """The tool that an asset's field was pressed with."""
     tip = None if reference.shape == "sphere" else reference.tip
-    parameters = tuple((name, reference.parameters[name]) for name in PARAMETERS if name in reference.parameters)
+    parameters = tuple(
+        (name, reference.parameters[name]) for name in PARAMETERS if name in reference.parameters
+    )
     return ToolShape(reference.shape, parameters, reference.axis, tip, reference.tilt)

@@ -62,9 +62,7 @@ class ToolReference:
         first = axis - (axis @ normal) * normal
         first /= np.linalg.norm(first)
         c, s = np.cos(self.tilt), np.sin(self.tilt)
-        return np.stack(
-            [c * first - s * normal, np.cross(normal, first), c * normal + s * first], axis=1
-        )
+        return np.stack([c * first - s * normal, np.cross(normal, first), c * normal + s * first], axis=1)
 
 
 @dataclass(frozen=True)

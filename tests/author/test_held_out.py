@@ -13,7 +13,6 @@ from palpate.fields.cook import cook
 from palpate.fields.interpolation import evaluate
 from palpate.runtime import Field
 
-
 BALL = ToolShape("sphere", (("radius", 5e-3),))
 
 

@@ -28,7 +28,7 @@ CAPABILITIES: dict[str, Any] = {
     "capsule": True,
     "painted stiffness": False,
     "support kinds": ("fixed", "elastic"),
-    "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule"),
+    "tool shapes": ("sphere",),
     "several radii of a tool": False,
     "several tilts of a tool": False,
     "depth over tool radius": 1.0,

@@ -24,6 +24,9 @@ SMALLEST_ORGAN = 1e-3
 USUAL_ORGAN = (5e-3, 1.0)
 """m; a size that makes another unit believable."""
 
+CAPSULE_SHARE = 0.2
+"""Thickest capsule over the mesh size and the tools' radii: it is a membrane, whose bending stiffness is left out."""
+
 Problem = tuple[str, Any, str, str]
 
 
@@ -119,6 +122,15 @@ def _tools(scene: Scene, organ: OrganSummary) -> Iterator[Problem]:
                 f"makes a tool {2.0 * tool.radius[-1]:.3g} m across, larger than the organ of {longest:.3g} m"
             )
             yield f"tool[{i}].radius", tool.radius[-1], what, f"a radius (m) well below {longest / 2:.3g}"
+    if scene.organ.capsule is not None:
+        lengths = [scene.organ.mesh_size, *(tool.radius[0] for tool in scene.tool if tool.radius)]
+        limit = CAPSULE_SHARE * min((length for length in lengths if length is not None), default=longest)
+        if scene.organ.capsule.thickness > limit:
+            what = "is no thin skin beside the mesh and the tools: a capsule stretches but does not bend"
+            expected = (
+                f"at most {limit:.3g} m, a fifth of the mesh size and of each tool's radius; or a region"
+            )
+            yield "organ.capsule.thickness", scene.organ.capsule.thickness, what, expected
     if scene.reach.depth_max is not None and scene.reach.depth_max > float(organ.size.min()):
         what = f"goes through the organ, which is {organ.size.min():.3g} m thick"
         yield "reach.depth_max", scene.reach.depth_max, what, "a depth (m) well below it"

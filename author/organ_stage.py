@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.errors import InputError
+from palpate.author.material_range import refuse_unstable_materials
 from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts
 from palpate.author.plan import planned_mesh_size
@@ -156,6 +157,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         InputError: the surface, its size, the mesh size, a support or the reach does not fit.
     """
     table = scene.organ
+    refuse_unstable_materials(scene)
     size = planned_mesh_size(scene, _surface_summary(scene))
     surface_key = digest(
         {

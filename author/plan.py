@@ -11,6 +11,7 @@ from rich.table import Table
 
 from palpate.author.console import Answer, table_of
 from palpate.author.effort import PRESS_SECONDS, node_count
+from palpate.author.material_range import refuse_unstable_materials
 from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts, rough_summary
 from palpate.author.scene import Scene
@@ -37,6 +38,7 @@ def plan(scene: Scene) -> Answer:
     parts = organ_parts(scene)
     organ, taken_from = rough_summary(parts)
     check_against_organ(scene, organ)
+    refuse_unstable_materials(scene)
     reach_share = organ.share_within(scene.reach) if scene.reach.is_given else 1.0
     reach_area = reach_share * organ.area
     mesh_size = planned_mesh_size(scene, organ)
@@ -58,6 +60,7 @@ def plan(scene: Scene) -> Answer:
             "tets": round(organ.volume * 6.0 * 2.0**0.5 / mesh_size**3),
             "supports": len(scene.organ.support),
             "regions": [region.name for region in scene.organ.region],
+            "capsule": scene.organ.capsule.model_dump(exclude_none=True) if scene.organ.capsule else None,
             "material": scene.organ.material.model_dump(exclude_none=True),
             "shear_modulus": scene.organ.material.shear_modulus,
         },
@@ -105,6 +108,13 @@ def _summary(result: dict[str, Any]) -> str:
         f"mesh      {tets}",
         f"material  {mesh['material']['model']}, shear modulus {1e-3 * mesh['shear_modulus']:.3g} kPa, "
         f"Poisson's ratio {mesh['material']['poissons_ratio']:g}",
+        *(
+            [
+                f"capsule   {1e6 * mesh['capsule']['thickness']:.0f} um of {mesh['capsule']['material']['model']}"
+            ]
+            if mesh["capsule"]
+            else []
+        ),
         f"reach     {1e4 * reach['area']:.1f} cm2, {100 * reach['share']:.0f} % of the surface",
         *(f"stored    {what}" for what in result["stored"].values()),
         f"left out  {', '.join(result['not_modelled']) or 'nothing'}",

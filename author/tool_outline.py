@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from palpate.fem_offline.placed_tool import PlacedTool
-from palpate.fem_offline.revolved import Revolved
+if TYPE_CHECKING:
+    from palpate.fem_offline.placed_tool import PlacedTool
+    from palpate.fem_offline.revolved import Revolved
 
 __all__ = ["outline_of"]
 

@@ -22,6 +22,8 @@ from palpate.fields.response_field import ToolReference
 
 __all__ = ["ToolShape", "offset_of", "reference_of", "shape_of", "shape_of_reference", "solid_tool"]
 
+ROUNDING = 1e-12
+"""m; a tip that lies on the touching plane is found to lie there to this."""
 E_Z = np.array([0.0, 0.0, 1.0])
 PARAMETERS = ("radius", "edge_radius", "half_angle", "length")
 """A scene's names of a shape's numbers."""
@@ -96,7 +98,8 @@ def solid_tool(shape: ToolShape) -> solids.Tool:
 
 def offset_of(shape: ToolShape) -> float:
     """rho, m: how far the tool, held as it is, reaches from its reference point towards the tissue."""
-    return float(solid_tool(shape).offset_along(-E_Z @ tilted(E_Z, shape.tilt)))
+    offset = float(solid_tool(shape).offset_along(-E_Z @ tilted(E_Z, shape.tilt)))
+    return 0.0 if abs(offset) < ROUNDING else offset
 
 
 def reference_of(name: str, shape: ToolShape) -> ToolReference:
@@ -111,7 +114,7 @@ def reference_of(name: str, shape: ToolShape) -> ToolReference:
         offset_of(shape),
         dict(shape.parameters),
         shape.hash,
-        tuple(map(float, tool.unit_axis)),
+        shape.axis,
         tuple(map(float, tool.reference_point)),
         shape.tilt,
         vertices,

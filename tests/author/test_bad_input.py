@@ -16,6 +16,12 @@ sphere = { center = [1.0, 0.0, 0.0], radius = "5 mm" }
 material = { model = "neo_hookean", youngs_modulus = "40 kPa", poissons_ratio = 0.48 }
 
 [reach]"""
+NEO_HOOKEAN = 'model = "neo_hookean"\nyoungs_modulus = "5.4 kPa"'
+CAPSULE = """[organ.capsule]
+thickness = "2 mm"
+material = { model = "yeoh", c10 = "0.2 MPa", c20 = 0.0 }
+
+[reach]"""
 SUPPORT = "box = { min = [-0.1, -0.1, -0.01], max = [0.1, 0.1, 0.001] }"
 CASES = {
     "an open surface that may not be repaired": (
@@ -35,6 +41,42 @@ CASES = {
     "a material that is not positive": (
         [('youngs_modulus = "5.4 kPa"', 'youngs_modulus = "-5.4 kPa"')],
         ["organ.material.youngs_modulus", '"-5.4 kPa"', "above 0"],
+    ),
+    "a material that softens": (
+        [(NEO_HOOKEAN, 'model = "yeoh"\nc10 = "0.9 kPa"\nc20 = "-1 kPa"')],
+        ["organ.material", "softens", "c20 below zero"],
+    ),
+    "Ogden terms that do not match": (
+        [(NEO_HOOKEAN, 'model = "ogden"\nmu = ["1 kPa", "0.5 kPa"]\nalpha = [6.0]')],
+        ["organ.material.alpha", "one exponent for each mu"],
+    ),
+    "a material that compresses to nothing": (
+        [("poissons_ratio = 0.48", "poissons_ratio = 0.5")],
+        ["organ.material.poissons_ratio", "below 0.5"],
+    ),
+    "a capsule as thick as the tool": (
+        [("[reach]", CAPSULE)],
+        ["organ.capsule.thickness", '"2 mm"', "at most 0.001 m"],
+    ),
+    "a capsule that softens": (
+        [("[reach]", CAPSULE.replace("2 mm", "50 um").replace("c20 = 0.0", 'c20 = "-1 MPa"'))],
+        ["organ.capsule.material", "softens"],
+    ),
+    "an elastic support without stiffness": (
+        [('kind = "fixed"', 'kind = "elastic"')],
+        ["organ.support[0].stiffness", "is missing", "kPa/mm"],
+    ),
+    "no support at all": (
+        [(f'[[organ.support]]                       # glued to the table\n{SUPPORT}\nkind = "fixed"', "")],
+        ["organ.support", "is missing"],
+    ),
+    "a depth through the organ": (
+        [('depth_max = "4 mm"', 'depth_max = "31 mm"'), ('radius = "5 mm"', 'radius = "31 mm"')],
+        ["reach.depth_max", '"31 mm"', "0.03 m thick"],
+    ),
+    "a depth beyond what the thickness allows": (
+        [('depth_max = "4 mm"', 'depth_max = "14 mm"'), ('radius = "5 mm"', 'radius = "14 mm"')],
+        ["reach", "no place that ball_5mm can press", "thinner than 35.0 mm"],
     ),
     "an unknown effect": ([('"friction"]', '"smell"]')], ["scene.effects[1]", '"smell"', "texture"]),
     "a reach without surface": (

@@ -28,7 +28,7 @@ CAPABILITIES: dict[str, Any] = {
     "capsule": True,
     "painted stiffness": False,
     "support kinds": ("fixed", "elastic"),
-    "tool shapes": ("sphere",),
+    "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule", "mesh"),
     "several radii of a tool": False,
     "several tilts of a tool": False,
     "depth over tool radius": 1.0,

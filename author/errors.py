@@ -12,13 +12,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.fem_offline.errors import MeshError, SurfaceError
+from palpate.fem_offline.errors import MeshError, SupportError, SurfaceError, ToolError
 from palpate.fields.field_error import FieldError
 from palpate.runtime.library import RuntimeFailure
 
 __all__ = ["InputError", "InputProblem", "PalpateError", "ToleranceNotMet", "exit_code", "problems_of"]
 
-_REFUSALS = (SurfaceError, MeshError, FieldError)
+_REFUSALS = (SurfaceError, MeshError, SupportError, ToolError, FieldError)
 """How the rooms below, which cannot import this one, refuse an input."""
 _REFUSED_FIELD = range(4, 12)
 """Those palpate_status values that say that an .rfield is damaged or of another version (palpate.h)."""

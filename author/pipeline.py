@@ -27,7 +27,7 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
-from palpate.author.tool_stage import ToolShape, reference_of, shape_of
+from palpate.author.tool_stage import ToolShape, heading_matters, reference_of, shape_of
 
 __all__ = ["author", "ladder", "node_jobs"]
 
@@ -158,6 +158,7 @@ class _ToolWork:
                 scene.problem("reach", None, f"has no place that {tool.name} can press ({why or 'nothing there'})",
                               "free, thick enough surface of the organ, outside its supports")
             )  # fmt: skip
+        _refuse_jumping_heading(scene, tool, self.shape, self.samples)
         area = len(self.samples.points) * self.samples.spacing**2
         count = node_count(area, scene.accuracy.force_tolerance)
         held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
@@ -232,6 +233,16 @@ class _ToolWork:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(judged))
         return judged
+
+
+def _refuse_jumping_heading(scene: Scene, tool: Tool, shape: ToolShape, samples: ReachSamples) -> None:
+    """A tool that is not round has a heading, which `tangents` can only give smoothly over part of a surface."""
+    leaning = np.unique(np.argmin(np.abs(samples.normals[samples.allowed]), axis=1))
+    if heading_matters(shape) and len(leaning) > 1:
+        key = f"tool[{scene.tool.index(tool)}]"
+        what = "is not round about the surface's normal, and its heading would jump within the reach"
+        expected = "a smaller or flatter reach, a round tool held upright, or single presses (palpate press)"
+        raise InputError(scene.problem(key, tool.name, what, expected))
 
 
 def _write(out: Path, mesh: OrganMesh, samples: ReachSamples, fields: list[Any]) -> Path:

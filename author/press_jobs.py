@@ -131,7 +131,7 @@ def solve(
     tool, tilt = solid_tool(job.tool), job.tool.tilt
     deepest: dict[str, Any] = {}
     try:
-        size = patch_size(tool, job.depths[-1], refinement=job.refinement)
+        size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt)
         site = open_site(_organ(mesh), np.array(job.contact_point), tool, size, job.fidelity, far_field, tilt)
         record = press(
             site,

@@ -25,7 +25,8 @@ THICKNESS_SHARE = 0.4
 CANDIDATES = 10
 """Random draws from which each held-out point is chosen."""
 CREASE_TOLERANCE = 0.05
-"""Allowed |phi - rho| / rho at the tool's reference point before contact."""
+"""Allowed |phi - rho| / rho at the tool's reference point before contact, and |phi + d| / depth where it is in the
+tissue, d deep."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,10 @@ def reach_samples(
     crease = (
         np.abs(mesh.distance(q) - offset) > CREASE_TOLERANCE * offset if offset else np.zeros(len(q), bool)
     )
+    if offset < depth_max:  # the reference point goes into the tissue
+        deepest = offset - depth_max
+        there = mesh.distance(points + deepest * normals)
+        crease |= np.abs(there - deepest) > CREASE_TOLERANCE * depth_max
     thin = _thickness_below(mesh, points, normals, depth_max / THICKNESS_SHARE)
     reasons["crease that the tool sees from two sides"] = int(crease.sum())
     reasons[f"thinner than {1e3 * depth_max / THICKNESS_SHARE:.1f} mm"] = int((thin & ~crease).sum())

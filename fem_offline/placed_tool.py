@@ -82,6 +82,15 @@ class PlacedTool:
         a, middle = self._turn[2], self.solid.centre
         return middle - (self.solid.support(-a) + float(a @ middle)) * a
 
+    @property
+    def reference_point(self) -> np.ndarray:
+        """(3,) m in the solid's frame; the tip."""
+        return self._tip
+
+    def into_tool_frame(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) m in the tool frame, of points (n, 3) m of the solid's own frame."""
+        return (points - self._tip) @ self._turn.T
+
     def distance(self, points: np.ndarray, pose: Pose) -> ToolDistance:
         """Gap of points (n, 3) m, with its gradient and Hessian, in the organ's frame."""
         found = self.solid.distance(pose.into_tool(points) @ self._turn + self._tip)

@@ -41,6 +41,11 @@ BEYOND: dict[str, tuple[str, tuple[str, str] | None, str]] = {
     ),
     "tool shapes": ("", ('shape = "sphere"', 'shape = "flat_punch"'), "tool[0].shape"),
     "several radii of a tool": ("", ('"5 mm"', '["5 mm", "8 mm"]'), "tool[0].radius"),
+    "several tilts of a tool": (
+        "",
+        ('shape = "sphere"', 'shape = "flat_punch"\ntilt = ["0 deg", "20 deg"]'),
+        "tool[0].tilt",
+    ),
     "depth over tool radius": ('[reach]\ndepth_max = "12 mm"', None, "reach.depth_max"),
     "responses": ('[accuracy]\nresponse = "axial"', None, "accuracy.response"),
     "fidelities": ('[accuracy]\nfidelity = "linear"', None, "accuracy.fidelity"),

@@ -64,7 +64,7 @@ def test_the_answer_is_a_ladder_in_si_with_its_proofs(pressed: dict) -> None:
     assert max(pressed["reaction_error"]) < 1e-8
     assert pressed["residual"] < 1e-8
     assert pressed["tool"] | {"hash": ""} == {
-        "name": "ball", "shape": "sphere", "parameters": {"radius": 0.005}, "offset": 0.005, "hash": "",
+        "name": "ball", "shape": "sphere", "parameters": {"radius": 0.005}, "tilt": 0.0, "offset": 0.005, "hash": "",
     }  # fmt: skip
     (ladder,) = pressed["lateral"]
     assert np.linalg.norm(ladder["deflection"][-1]) == pytest.approx(5e-5)

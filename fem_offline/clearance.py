@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from palpate.fem_offline.site import Site
-from palpate.fem_offline.tool import Tool
+from palpate.fem_offline.tool import Pose, Tool
 
 __all__ = ["why_not_placed", "why_stray"]
 
@@ -34,9 +34,12 @@ def why_not_placed(site: Site, tool: Tool, depth_max: float) -> str:
     )
 
 
-def why_stray(site: Site, tool: Tool, depth: float, u: np.ndarray) -> str:
-    """Why a state u (N, 3) m does not count, or "": the tool touches where no contact is solved."""
-    pose = site.pose(tool, depth)
+def why_stray(site: Site, tool: Tool, depth: float, u: np.ndarray, pose: Pose | None = None) -> str:
+    """Why a state u (N, 3) m does not count, or "": the tool touches where no contact is solved.
+
+    `pose` is where a tool at `depth` (m) was dragged to; None: pressed straight in.
+    """
+    pose = pose or site.pose(tool, depth)
     stray = site.surroundings.deepest(tool, pose, u)
     if stray.gap >= -TOUCH * depth:
         return ""

@@ -20,55 +20,32 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from palpate.fem_offline.clearance import why_not_placed, why_stray
 from palpate.fem_offline.contact import Sticking, Unilateral
-from palpate.fem_offline.coulomb import Coulomb, FrictionCheck
 from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equilibrate
+from palpate.fem_offline.ladder import DEFAULT_SETTINGS, Ladder, PressSettings, reaction_error
 from palpate.fem_offline.site import Site
-from palpate.fem_offline.sliding import equilibrate_sliding
-from palpate.fem_offline.tool import Pose, Tool
+from palpate.fem_offline.tool import Tool
 
-__all__ = ["LateralLadder", "PressRecord", "PressSettings", "PressState", "SlidingRecord", "press"]
+__all__ = [
+    "LateralLadder",
+    "PressRecord",
+    "PressSettings",
+    "PressState",
+    "SlidingRecord",
+    "press",
+    "sticking",
+    "sticking_stiffness",
+]
 
 
-LOOSE = 3.0e-3
-"""Residual at which multipliers are updated; a better one does not survive the update."""
 STICKING_TOLERANCE = 1.0e-6
 """Of the linear solves for the sticking stiffness.  The stiffness is a small difference of large numbers (the
 spring that holds the points is a thousand times stiffer than the tissue): 1e-2 was off by half."""
-
-
-PATH = 1.0e-5
-"""Residual of steps on the way with friction; they are remembered."""
-
-
-@dataclass(frozen=True)
-class PressSettings:
-    """How a press is solved; part of every record's hash.
-
-    Attributes:
-        penalty: contact penalty over E, 1/m (8 per mm; see contact.py).
-        updates: multiplier updates at each recorded depth; multipliers are extrapolated in depth as well.
-        tolerance: residual over force at recorded states.
-        step: largest move of the tool between equilibria over the size of the contact at the deepest state.
-        halvings: how often a failed step is halved before the press stops.
-        sticking_penalty: multiple of `penalty` that holds sticking points.
-        reaction_tolerance: action against reaction above which a state is refused.
-        growth: with friction, largest step over the depth already reached; the first is an eighth of the first depth.
-    """
-
-    penalty: float = 8.0e3
-    updates: int = 1
-    tolerance: float = 1.0e-9
-    step: float = 0.12
-    halvings: int = 4
-    sticking_penalty: float = 10.0
-    reaction_tolerance: float = 1.0e-8
-    growth: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -166,110 +143,11 @@ class PressRecord:
         return self.force_vector @ self.normal
 
 
-@dataclass
-class _Ladder:
-    """A tool on its way in: the last equilibria, for extrapolation; `size` (m) of the contact at the deepest."""
-
-    site: Site
-    tool: Tool
-    settings: PressSettings
-    contact: Unilateral
-    size: float
-    depth: list[float] = field(default_factory=lambda: [0.0])
-    u: list[np.ndarray] = field(default_factory=list)
-    pressure: list[np.ndarray] = field(default_factory=list)
-    newton_steps: int = 0
-    dissipation: float = 0.0
-    check: FrictionCheck | None = None
-
-    def __post_init__(self) -> None:
-        self.u = [np.zeros_like(self.site.body.nodes)]
-        self.pressure = [np.zeros(self.site.surface.point_shape)]
-        if isinstance(self.contact, Coulomb):
-            self.contact.pose = self.site.pose(self.tool, 0.0)
-            self.contact.start(self.u[0])
-
-    @property
-    def force_floor(self) -> float:
-        return 1e-4 * self.site.youngs_modulus * self.size**2
-
-    def step_to(self, depth: float, recorded: bool) -> Equilibrium:
-        """One equilibrium at `depth`, started by extrapolating the last two."""
-        self.contact.pose = self.site.pose(self.tool, depth)
-        start = self.u[-1]
-        self.contact.multiplier = self.pressure[-1]
-        if len(self.depth) > 2:
-            ratio = (depth - self.depth[-1]) / (self.depth[-1] - self.depth[-2])
-            start = self.u[-1] + ratio * (self.u[-1] - self.u[-2])
-            rise = self.pressure[-1] - self.pressure[-2]
-            self.contact.multiplier = np.maximum(0.0, self.pressure[-1] + ratio * rise)
-            if not np.isfinite(self.site.body.state(start).energy):
-                start = self.u[-1]
-        found = self._solve(start, LOOSE if recorded or not isinstance(self.contact, Coulomb) else PATH)
-        if recorded:
-            for _ in range(self.settings.updates - 1):
-                self.contact.update(found.u)
-                found = self._solve(found.u, LOOSE)
-            self.contact.update(found.u)
-            found = self._solve(found.u, self.settings.tolerance)
-        pressure = np.linalg.norm(found.contact.traction, axis=2)
-        if isinstance(self.contact, Coulomb):
-            pressure = self._remember(found)
-        self.depth.append(depth)
-        self.u.append(found.u)
-        self.pressure.append(pressure)
-        self.depth, self.u, self.pressure = self.depth[-3:], self.u[-3:], self.pressure[-3:]
-        return found
-
-    def _remember(self, found: Equilibrium) -> np.ndarray:
-        """End a step with friction; returns the pressures, (B, Q) Pa."""
-        self.check = self.contact.check(found.u, found.contact)
-        if self.check.failure():
-            raise EquilibriumError(self.check.failure())
-        self.contact.commit(found.u)
-        self.dissipation += self.check.dissipation
-        return self.contact.limit / self.contact.friction
-
-    def _largest(self, depth: float) -> float:
-        """m; longest step towards `depth`."""
-        largest = self.settings.step * self.size
-        if not isinstance(self.contact, Coulomb):
-            return largest
-        return min(largest, self.settings.growth * self.depth[-1] or depth / 8.0)
-
-    def _solve(self, start: np.ndarray, tolerance: float) -> Equilibrium:
-        solve = equilibrate_sliding if isinstance(self.contact, Coulomb) else equilibrate
-        found = solve(self.site.body, self.contact, start, tolerance, self.force_floor)
-        self.newton_steps += found.iterations
-        return found
-
-    def go_to(self, depth: float) -> Equilibrium:
-        """Equilibrium at `depth` in steps of at most settings.step contact sizes, halved where they fail."""
-        largest = np.inf
-        halvings = 0
-        while True:
-            remaining = depth - self.depth[-1]
-            count = int(np.ceil(remaining / min(largest, self._largest(depth)) - 1e-9))
-            target = self.depth[-1] + remaining / max(count, 1)
-            kept = (list(self.depth), list(self.u), list(self.pressure))
-            try:
-                found = self.step_to(target, count <= 1)
-            except EquilibriumError:
-                self.depth, self.u, self.pressure = kept
-                halvings += 1
-                if halvings > self.settings.halvings:
-                    raise
-                largest = 0.5 * min(largest, remaining / max(count, 1))
-                continue
-            if count <= 1:
-                return found
-
-
 def press(
     site: Site,
     tool: Tool,
     depths: np.ndarray,
-    settings: PressSettings = PressSettings(),
+    settings: PressSettings = DEFAULT_SETTINGS,
     moves: Callable[[int, PressState], np.ndarray | None] = lambda index, state: None,
     progress: Callable[[float], None] = lambda depth: None,
     watch: Callable[[float, Equilibrium], None] = lambda depth, found: None,
@@ -289,8 +167,8 @@ def press(
         The record, as deep as it came; `converged` and `reason` say whether that was all.
     """
     begun = time.perf_counter()
-    contact = _contact(site, tool, settings, friction)
-    ladder = _Ladder(site, tool, settings, contact, site.contact_size(tool, float(depths[-1])))
+    ladder = Ladder.above(site, tool, settings, float(depths[-1]), friction)
+    contact = ladder.contact
     zero = np.zeros(3)
     rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
     slid = [(0.0, 0.0, 0.0, 0.0)]
@@ -304,18 +182,16 @@ def press(
             break
         try:
             found = ladder.go_to(float(depth))
-            mismatch = _reaction_error(site, found, contact.pose)
+            mismatch = reaction_error(site, found, contact.pose)
             if mismatch > settings.reaction_tolerance:
                 reason = f"action and reaction differ by {mismatch:.1e} at {depth * 1e3:.2f} mm"
                 break
             reason = why_stray(site, tool, float(depth), found.u)
             if reason:
                 break
-            stuck = _sticking(site, found, contact, settings)
+            stuck = sticking(site, found, contact, settings)
             wants_stiffness = index % 2 == 1 or index == len(depths) - 1
-            stiffness = (
-                _sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
-            )
+            stiffness = sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
             touch = found.contact
             rows.append(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
@@ -354,33 +230,7 @@ def press(
     )
 
 
-def _contact(site: Site, tool: Tool, settings: PressSettings, friction: float) -> Unilateral:
-    penalty = settings.penalty * site.youngs_modulus
-    if not friction:
-        return Unilateral(site.surface, tool, penalty)
-    if not 0.0 < friction < np.inf:
-        raise ValueError(f"friction is {friction}; it must be zero or a positive number")
-    return Coulomb(
-        site.surface,
-        tool,
-        penalty,
-        friction=friction,
-        tangential_penalty=settings.sticking_penalty * penalty,
-    )
-
-
-def _reaction_error(site: Site, found: Equilibrium, pose: Pose) -> float:
-    """Force and moment on the tool against the supports', as a share of the force (times the body's size)."""
-    force, moment = found.contact.force, found.contact.moment
-    support = site.body.support_reaction(found.u, found.elastic)
-    scale = max(float(np.linalg.norm(force)), 1e-300)
-    outline = np.concatenate([site.patch.points, site.surroundings.far_faces.reshape(-1, 3)])
-    arm = float(np.linalg.norm(outline - site.contact_point, axis=1).max())
-    turned = moment + np.cross(pose.position, force) - support[3:]
-    return float(max(np.linalg.norm(force - support[:3]) / scale, np.linalg.norm(turned) / (scale * arm)))
-
-
-def _sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: PressSettings) -> Sticking:
+def sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: PressSettings) -> Sticking:
     return Sticking(
         site.surface,
         settings.sticking_penalty * contact.penalty,
@@ -390,7 +240,7 @@ def _sticking(site: Site, found: Equilibrium, contact: Unilateral, settings: Pre
     )
 
 
-def _sticking_stiffness(site: Site, found: Equilibrium, stuck: Sticking) -> np.ndarray:
+def sticking_stiffness(site: Site, found: Equilibrium, stuck: Sticking) -> np.ndarray:
     """K = sum_q w_q eps_s (1 - N du/dD), H du/dD = eps_s sum_q w_q N."""
     if not found.contact.area:
         return np.zeros((3, 3))
@@ -416,7 +266,7 @@ def _lateral_ladder(
     depth: float,
     moves: np.ndarray,
     settings: PressSettings,
-    ladder: _Ladder,
+    ladder: Ladder,
 ) -> LateralLadder:
     u = found.u
     forces, energies = [found.contact.force], [found.elastic.energy]

@@ -8,7 +8,7 @@ import pytest
 from palpate.fem_offline.contact import Sticking, Unilateral
 from palpate.fem_offline.equilibrium import equilibrate
 from palpate.fem_offline.material import NeoHookean
-from palpate.fem_offline.press import PressSettings, _sticking_stiffness, press
+from palpate.fem_offline.press import PressSettings, press, sticking_stiffness
 from palpate.fem_offline.site import open_site, patch_size
 from palpate.fem_offline.tool import Sphere
 from palpate.fem_offline.verification.blocks import block_organ, two_stiffnesses
@@ -71,7 +71,7 @@ def test_sticking_stiffness_is_the_slope_of_sticking_equilibria(site):
     """A stuck tool moved by 1 um in each direction, by Newton's method, against the linearised answer."""
     contact, found = pressed(site)
     stuck = stuck_like(site, contact, found)
-    K = _sticking_stiffness(site, found, stuck)
+    K = sticking_stiffness(site, found, stuck)
     for k in range(3):
         stuck.translation = 1e-6 * np.eye(3)[k]
         moved = equilibrate(site.body, stuck, found.u, 1e-9, 1e-6)

@@ -3,11 +3,12 @@
 """Energy, nodal forces and Hessian of quadratic tetrahedra, as Warp kernels.
 
     W(u) = sum_e sum_m fraction_em W_em
-    W_em = sum_{q=0..3} V/4 (psi_iso(F_q) + psi_vol(F_q; kappa_full)) + V psi_vol(F_c; kappa_centre)
+    W_em = sum_{q=0..3} V/4 (psi_iso(F_q) + psi_vol(F_q; kappa_full)) + V kappa_mean/2 j^2
     F_q = I + sum_a u_a (x) grad N_a(q)
     f_a = dW/du_a = sum_q w_q P(F_q) grad N_a,    K_ab = sum_q w_q grad N_a . A(F_q) . grad N_b
 
-A tetrahedron cut by a border between materials mixes their energies.  The split of kappa: material_table.py.
+j is the tetrahedron's mean volume strain (mean_dilatation.py).  A tetrahedron cut by a border between materials mixes
+their energies.  The split of kappa: material_table.py.
 Everything is float64.  `max_unroll = 1` keeps a cold compile at seconds instead of half a minute.
 """
 
@@ -23,6 +24,13 @@ from scipy import sparse
 from palpate.fem_offline import constitutive as law
 from palpate.fem_offline import material_table as t
 from palpate.fem_offline.material_table import FULL_SHARE, Tabulated, material_table
+from palpate.fem_offline.mean_dilatation import (
+    cofactor,
+    mean_kappa,
+    mean_stress,
+    mean_tangent,
+    volume_strain,
+)
 from palpate.fem_offline.quadratic_space import (
     CENTRE_RULE,
     FOUR_POINT_RULE,
@@ -37,9 +45,10 @@ __all__ = ["ElementState", "ElementSystem", "HessianPattern", "hessian_pattern"]
 wp.set_module_options({"enable_backward": False, "max_unroll": 1})
 
 RULE_GRADIENTS = shape_gradients_barycentric(np.concatenate([FOUR_POINT_RULE, CENTRE_RULE]))
-"""(5, 10, 4): four points for psi_iso and kappa_full, the centre for kappa_centre."""
+"""(5, 10, 4): four points of integration; the centre, where J is looked at as well before a state is accepted."""
 
-FOUR_POINTS = wp.constant(len(FOUR_POINT_RULE))
+POINT_COUNT = wp.constant(len(FOUR_POINT_RULE))
+QUARTER = wp.constant(wp.float64(0.25))
 
 mat10x3 = wp.types.matrix(shape=(10, 3), dtype=wp.float64)
 mat30x30 = wp.types.matrix(shape=(30, 30), dtype=wp.float64)
@@ -73,39 +82,17 @@ def deformation_gradient(
 
 
 @wp.func
-def quadrature_weight(volume: wp.float64, q: int) -> wp.float64:
-    """V/4 at the four points, V at the centre."""
-    if q < FOUR_POINTS:
-        return volume * wp.float64(0.25)
-    return volume
+def response(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int):
+    """psi and P of material m at a quadrature point, without what acts on the mean volume, Pa."""
+    psi, P = law.isochoric(F, table, m)
+    psi_vol, P_vol = law.volumetric(F, table, m, table[m, t.KAPPA_FULL])
+    return psi + psi_vol, P + P_vol
 
 
 @wp.func
-def kappa_at(q: int, table: wp.array2d(dtype=wp.float64), m: int) -> wp.float64:
-    """Share of material m's bulk modulus at quadrature point q, Pa."""
-    if q < FOUR_POINTS:
-        return table[m, t.KAPPA_FULL]
-    return table[m, t.KAPPA_CENTRE]
-
-
-@wp.func
-def response(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int):
-    """What material m contributes to psi and P at quadrature point q, Pa."""
-    psi, P = law.volumetric(F, table, m, kappa_at(q, table, m))
-    if q < FOUR_POINTS:
-        psi_iso, P_iso = law.isochoric(F, table, m)
-        psi += psi_iso
-        P += P_iso
-    return psi, P
-
-
-@wp.func
-def tangent(F: wp.mat33d, q: int, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
-    """What material m contributes to A = dP/dF at quadrature point q, Pa."""
-    A = law.volumetric_tangent(F, table, m, kappa_at(q, table, m))
-    if q < FOUR_POINTS:
-        A += law.isochoric_tangent(F, table, m)
-    return A
+def tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9:
+    """A = dP/dF of `response`."""
+    return law.isochoric_tangent(F, table, m) + law.volumetric_tangent(F, table, m, table[m, t.KAPPA_FULL])
 
 
 @wp.kernel
@@ -123,20 +110,26 @@ def energy_and_force(
     force: wp.array(dtype=wp.vec3d),
 ):
     e = wp.tid()
-    W = wp.float64(0.0)
     J_min = wp.float64(1.0e30)
+    j = wp.vec2d()
+    for q in range(POINT_COUNT + 1):
+        F = deformation_gradient(shape_gradients(rule, q, corner_gradients, e), elements, e, u)
+        J_min = wp.min(J_min, wp.determinant(F))
+        if q < POINT_COUNT:
+            j += volume_strain(F) * QUARTER
+    p = wp.cw_mul(mean_kappa(table, fraction, e), j)
+    W = wp.float64(0.5) * volumes[e] * wp.dot(p, j)
+    weight = volumes[e] * QUARTER
     local = mat10x3()
-    for q in range(5):
+    for q in range(POINT_COUNT):
         dN = shape_gradients(rule, q, corner_gradients, e)
         F = deformation_gradient(dN, elements, e, u)
-        J_min = wp.min(J_min, wp.determinant(F))
-        P = wp.mat33d()
+        P = mean_stress(F, p) * weight
         for m in range(table.shape[0]):
             if fraction[e, m] != wp.float64(0.0):
-                weight = quadrature_weight(volumes[e], q) * fraction[e, m]
-                psi, P_m = response(F, q, table, m)
-                W += weight * psi
-                P += P_m * weight
+                psi, P_m = response(F, table, m)
+                W += weight * fraction[e, m] * psi
+                P += P_m * (weight * fraction[e, m])
         for a in range(10):
             f = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
             for i in range(3):
@@ -161,14 +154,30 @@ def hessian(
     values: wp.array(dtype=wp.float64),
 ):
     e = wp.tid()
-    K = mat30x30()
-    for q in range(5):
+    j_mean = wp.vec2d()
+    g = mat10x3()  # derivative of the mean J - 1
+    h = mat10x3()  # of the mean tr(F - 1)
+    for q in range(POINT_COUNT):
         dN = shape_gradients(rule, q, corner_gradients, e)
         F = deformation_gradient(dN, elements, e, u)
-        A = mat9x9()  # A[3 i + k, 3 j + l] = w d P_ik / d F_jl
+        j_mean += volume_strain(F) * QUARTER
+        C = cofactor(F) * QUARTER
+        for a in range(10):
+            slope = C * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
+            for i in range(3):
+                g[a, i] = g[a, i] + slope[i]
+                h[a, i] = h[a, i] + QUARTER * dN[a, i]
+    kappa = mean_kappa(table, fraction, e)
+    p = wp.cw_mul(kappa, j_mean)
+    weight = volumes[e] * QUARTER
+    K = mat30x30()
+    for q in range(POINT_COUNT):
+        dN = shape_gradients(rule, q, corner_gradients, e)
+        F = deformation_gradient(dN, elements, e, u)
+        A = mean_tangent(F, p) * weight  # A[3 i + k, 3 j + l] = w d P_ik / d F_jl
         for m in range(table.shape[0]):
             if fraction[e, m] != wp.float64(0.0):
-                A += tangent(F, q, table, m) * (quadrature_weight(volumes[e], q) * fraction[e, m])
+                A += tangent(F, table, m) * (weight * fraction[e, m])
         for b in range(10):
             for j in range(3):
                 for i in range(3):
@@ -176,21 +185,25 @@ def hessian(
                     t1 = wp.float64(0.0)
                     t2 = wp.float64(0.0)
                     for l in range(3):
-                        g = dN[b, l]
-                        t0 += A[3 * i, 3 * j + l] * g
-                        t1 += A[3 * i + 1, 3 * j + l] * g
-                        t2 += A[3 * i + 2, 3 * j + l] * g
+                        d = dN[b, l]
+                        t0 += A[3 * i, 3 * j + l] * d
+                        t1 += A[3 * i + 1, 3 * j + l] * d
+                        t2 += A[3 * i + 2, 3 * j + l] * d
                     for a in range(b + 1):
                         K[3 * a + i, 3 * b + j] = (
                             K[3 * a + i, 3 * b + j] + dN[a, 0] * t0 + dN[a, 1] * t1 + dN[a, 2] * t2
                         )
+    kappa = kappa * volumes[e]
     for a in range(10):
         for i in range(3):
             r = 3 * a + i
             for c in range(r, 30):
                 at = entry[e, r * 30 + c]
                 if at >= 0:
-                    wp.atomic_add(values, at, K[r, c])
+                    b = c // 3
+                    n = c - 3 * b
+                    mean = kappa[0] * g[a, i] * g[b, n] + kappa[1] * h[a, i] * h[b, n]
+                    wp.atomic_add(values, at, K[r, c] + mean)
 
 
 @dataclass(frozen=True)

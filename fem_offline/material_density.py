@@ -28,7 +28,7 @@ def evaluate(
     tangent: wp.array(dtype=mat9x9),
 ):
     i = wp.tid()
-    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
+    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_MEAN]
     psi, P = law.isochoric(F[i], table, 0)
     psi_vol, P_vol = law.volumetric(F[i], table, 0, kappa)
     energy[i] = psi + psi_vol
@@ -52,7 +52,7 @@ def density(
     F = np.ascontiguousarray(F, float)
     table = material_table([material])
     if not volumetric:
-        table[:, [t.KAPPA_FULL, t.KAPPA_CENTRE]] = 0.0
+        table[:, [t.KAPPA_FULL, t.KAPPA_MEAN]] = 0.0
     kinds = (wp.float64, wp.mat33d, mat9x9)
     outputs = [wp.zeros(len(F), dtype=kind, device="cpu") for kind in kinds]
     inputs = [wp.array(F, dtype=wp.mat33d, device="cpu"), wp.array(table, dtype=wp.float64, device="cpu")]

@@ -3,12 +3,12 @@
 """Materials as rows of numbers, which is what Warp kernels take.
 
     column   0      1           2             3           4 ...
-             model  kappa_full  kappa_centre  term count  constants
+             model  kappa_full  kappa_mean  term count  constants
              (-)    Pa          Pa            (-)         of the model
 
 The volumetric part is split for quadratic tetrahedra: a share `kappa_full` of the order of mu is integrated at the
-same four points as the isochoric part, the rest at the element's centre alone.  Without that share an element has
-4 x 5 + 1 = 21 strain measures for 24 deforming modes; with kappa alone at four points it locks.
+same four points as the isochoric part, the rest acts on the element's mean volume (mean_dilatation.py).  Without that
+share an element has 4 x 5 + 1 = 21 strain measures for 24 deforming modes; with kappa alone at four points it locks.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ import warp as wp
 __all__ = [
     "CONSTANTS",
     "FULL_SHARE",
-    "KAPPA_CENTRE",
     "KAPPA_FULL",
+    "KAPPA_MEAN",
     "LINEAR",
     "MODEL",
     "OGDEN",
@@ -35,7 +35,7 @@ __all__ = [
     "material_table",
 ]
 
-MODEL, KAPPA_FULL, KAPPA_CENTRE, TERM_COUNT, CONSTANTS = (wp.constant(k) for k in range(5))
+MODEL, KAPPA_FULL, KAPPA_MEAN, TERM_COUNT, CONSTANTS = (wp.constant(k) for k in range(5))
 """Columns of a material table."""
 
 LINEAR, POLYNOMIAL, VERONDA_WESTMANN, OGDEN = (wp.constant(k) for k in range(4))
@@ -68,7 +68,7 @@ class Tabulated(Protocol):
 
 
 def kappa_split(material: Tabulated, full_share: float = FULL_SHARE) -> tuple[float, float]:
-    """(kappa_full, kappa_centre), Pa; full_share = inf integrates all of kappa at four points."""
+    """(kappa_full, kappa_mean), Pa; full_share = inf integrates all of kappa at four points."""
     kappa = material.bulk_modulus
     full = min(full_share * material.shear_modulus, kappa)
     return full, kappa - full
@@ -80,7 +80,7 @@ def material_table(materials: Sequence[Tabulated], full_share: float = FULL_SHAR
     table = np.zeros((len(materials), int(CONSTANTS) + width))
     for row, material in zip(table, materials, strict=True):
         row[MODEL] = material.model
-        row[KAPPA_FULL], row[KAPPA_CENTRE] = kappa_split(material, full_share)
+        row[KAPPA_FULL], row[KAPPA_MEAN] = kappa_split(material, full_share)
         row[TERM_COUNT] = len(material.constants) // 2  # Ogden's; others do not read it
         row[CONSTANTS : CONSTANTS + len(material.constants)] = material.constants
     return table

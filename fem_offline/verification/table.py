@@ -12,6 +12,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from palpate.fem_offline.verification.calculix_rows import calculix_rows, tool_size_rows
+from palpate.fem_offline.verification.convergence import convergence_rows
+from palpate.fem_offline.verification.cook import cook_rows
 from palpate.fem_offline.verification.covered_half_space import covered_rows
 from palpate.fem_offline.verification.elements import element_rows
 from palpate.fem_offline.verification.fidelity import fidelity_rows
@@ -32,6 +34,7 @@ from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.second_code import second_code_rows
 from palpate.fem_offline.verification.sheet import sheet_rows
 from palpate.fem_offline.verification.sticking_disc import sticking_rows
+from palpate.fem_offline.verification.tetrahedralised import tetrahedralised_rows
 from palpate.fem_offline.verification.tool_rows import tool_rows
 
 __all__ = ["table"]
@@ -54,6 +57,9 @@ def _fast() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "capsule", sheet_rows
     yield "a second code", second_code_rows
     yield "locking", lambda: locking_rows(confined=False)
+    yield "Cook's membrane", lambda: cook_rows(finite=False)
+    yield "convergence", lambda: convergence_rows(everything=False)
+    yield "fTetWild mesh", lambda: tetrahedralised_rows(modes=False)
     yield "half space", lambda: _half_space(everything=False)
     yield "lateral push", lambda: lateral_rows(anew=False)
 
@@ -64,6 +70,9 @@ def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "capsule", sheet_rows
     yield "a second code", second_code_rows
     yield "locking", lambda: locking_rows(confined=True)
+    yield "Cook's membrane", lambda: cook_rows(finite=True)
+    yield "convergence", lambda: convergence_rows(everything=True)
+    yield "fTetWild mesh", lambda: tetrahedralised_rows(modes=True)
     yield "half space", lambda: _half_space(everything=True)
     yield "lateral push", lambda: lateral_rows(anew=True)
     yield "large indentation", _large_indentation

@@ -106,7 +106,7 @@ def in_plane(
 @wp.func
 def energy_and_stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)):
     """psi (float64) and P (mat33d), Pa."""
-    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
+    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_MEAN]
     psi, P = law.volumetric(F, table, 0, kappa)
     psi_iso, P_iso = law.isochoric(F, table, 0)
     return psi + psi_iso, P + P_iso
@@ -115,7 +115,7 @@ def energy_and_stress(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)):
 @wp.func
 def tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64)) -> mat9x9:
     """A = dP/dF, Pa."""
-    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_CENTRE]
+    kappa = table[0, t.KAPPA_FULL] + table[0, t.KAPPA_MEAN]
     return law.isochoric_tangent(F, table, 0) + law.volumetric_tangent(F, table, 0, kappa)
 
 

@@ -17,6 +17,7 @@ from palpate.fem_offline.verification.cook import cook_rows
 from palpate.fem_offline.verification.covered_half_space import covered_rows
 from palpate.fem_offline.verification.elements import element_rows
 from palpate.fem_offline.verification.fidelity import fidelity_rows
+from palpate.fem_offline.verification.friction_rows import drag_rows, no_slip_rows, partial_slip_rows
 from palpate.fem_offline.verification.half_space import (
     RADIUS,
     energy_rows,
@@ -78,6 +79,9 @@ def _slow() -> Iterator[tuple[str, Callable[[], Iterator[Row]]]]:
     yield "large indentation", _large_indentation
     yield "tools", tool_rows
     yield "sticking", sticking_rows
+    yield "partial slip", partial_slip_rows
+    yield "press without slip", no_slip_rows
+    yield "drags", drag_rows
     yield "covered half space", covered_rows
     yield "fidelity", fidelity_rows
     yield "bonded layers", layer_rows

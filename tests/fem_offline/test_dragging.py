@@ -149,12 +149,16 @@ def test_no_energy_comes_out_of_a_closed_drag(site, pressed):
 
 
 def test_a_first_small_move_meets_the_sticking_stiffness(site, pressed):
+    """There and back again: what one more multiplier update does to the pressed state is the same both ways."""
     ladder, found = pressed
     K = sticking_stiffness(site, found, sticking(site, found, ladder.contact, DEFAULT_SETTINGS))
     home = ladder.contact.pose
     move = 2e-6
-    moved = ladder.turn(lambda way: home.at(home.position + way * AHEAD)).go_to(move)
-    slope = -(moved.contact.force - found.contact.force) @ AHEAD / move
+    there, back = (
+        ladder.turn(lambda way, s=s: home.at(home.position + s * way * AHEAD)).go_to(move)
+        for s in (1.0, -1.0)
+    )
+    slope = -(there.contact.force - back.contact.force) @ AHEAD / (2.0 * move)
     assert slope == pytest.approx(K[0, 0], rel=0.03)
 
 

@@ -12,8 +12,8 @@ from palpate.author.scene import load_scene
 NAMES = sorted(path.stem for path in SCENE_FOLDER.glob("*.toml"))
 
 
-def test_there_are_the_three_scenes():
-    assert NAMES == ["liver_phantom", "palpation_block", "palpation_block_nodule"]
+def test_there_are_these_scenes():
+    assert NAMES == ["encapsulated_block", "liver_phantom", "palpation_block", "palpation_block_nodule"]
     with pytest.raises(FileNotFoundError, match="liver_phantom"):
         scene_path("spleen")
 
@@ -31,7 +31,7 @@ def test_scene_reaches_surface_that_no_support_holds(name):
     assert gap > 0.015  # m: three radii of the ball
 
 
-@pytest.mark.parametrize("name", ["liver_phantom", "palpation_block"])
+@pytest.mark.parametrize("name", ["encapsulated_block", "liver_phantom", "palpation_block"])
 def test_scene_asks_only_for_what_this_version_does(name):
     require_capabilities(load_scene(scene_path(name)))
 

@@ -17,7 +17,7 @@ from palpate.author.scene_types import digest
 __all__ = ["ROOTS", "mechanics_modules", "mechanics_version"]
 
 PACKAGE = "palpate.fem_offline"
-ROOTS = ("deformed", "far_field", "membrane", "patch", "press", "signed_distance", "site", "tool")
+ROOTS = ("deformed", "dragging", "far_field", "membrane", "patch", "press", "signed_distance", "site", "tool")
 """What a worker imports to press, and what lays the organ's surface."""
 
 

@@ -13,7 +13,6 @@ import tempfile
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -153,8 +152,6 @@ def _job(
 
 def _friction(scene: Scene, tool: Tool) -> float:
     """The tool's coefficient.  Raises InputError where there is none to drag with."""
-    if find_spec("palpate.fem_offline.dragging") is None:
-        raise InputError(InputProblem("", "--drag", None, "is not in this version", "a press without it"))
     if not tool.friction:
         key = f"tool[{scene.tool.index(tool)}].friction"
         raise InputError(

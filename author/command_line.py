@@ -129,7 +129,8 @@ def press(
                 drag=drag,
                 files=files,
             )
-        return Answer(result, [press_lines(result)], 0 if result["converged"] else 1)
+        done = result["converged"] and (not drag or result["drag"]["converged"])
+        return Answer(result, [press_lines(result)], 0 if done else 1)
 
     _end(work, as_json)
 

@@ -122,6 +122,13 @@ def press_lines(result: dict[str, Any]) -> str:
     state = "converged" if result["converged"] else f"NOT converged: {result['reason']}"
     errors = f"reaction error {np.max(result['reaction_error']):.0e}, residual {result['residual']:.0e}"
     lines += [f"{state}, {errors}, {result['unknowns']} unknowns, {result['seconds']:.1f} s"]
+    drag = result["drag"]
+    if drag is not None:
+        lines += ["depth (mm)  friction, dragged both ways"]
+        rows = zip(drag["depth"], drag["friction"], strict=True)
+        lines += [f"{1e3 * d:10.3f}  " + ("none" if mu is None else f"{mu:.4f}") for d, mu in rows]
+        law = "Amontons' law holds" if drag["amontons"] else "Amontons' law does NOT hold"
+        lines += [f"given {drag['given']:g}; {law}" if drag["converged"] else f"dragging: {drag['reason']}"]
     return "\n".join(lines + [f"{kind}: {path}" for kind, path in result["files"].items()])
 
 

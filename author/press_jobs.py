@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.author.console import plain
 from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_types import digest
@@ -167,32 +168,35 @@ def solve(
 
 
 def _dragged(site: Any, tool: Any, job: PressJob, progress: Callable[[float], None]) -> dict[str, Any]:
-    """What dragging found, JSON-clean; fields of `fem_offline.dragging.DragRecord` along one direction."""
+    """`fem_offline.dragging.DragRecord` along its one direction, JSON-clean: None where a drag found nothing."""
     from palpate.fem_offline.dragging import drag
 
     found = drag(site, tool, job.drag, job.friction, progress=progress)
-    return {
-        "depth": found.depth.tolist(),
-        "direction": found.directions[0].tolist(),
-        "given": found.friction,
-        "friction": found.effective[:, 0].tolist(),
-        "one_way": found.one_way[:, 0].tolist(),
-        "amontons": found.amontons,
-        "spread": found.spread,
-        "converged": found.converged,
-        "reason": found.reason,
-        "paths": [
-            {
-                "depth": path.depth,
-                "direction": path.direction.tolist(),
-                "way": path.way.tolist(),
-                "force_vector": path.force_vector.tolist(),
-                "energy_error": path.energy_error,
-                "steady": path.steady,
-            }
-            for path in found.paths
-        ],
-    }
+    paths = [
+        {
+            "depth": path.depth,
+            "direction": path.direction,
+            "way": path.way,
+            "force_vector": path.force_vector,
+            "energy_error": path.energy_error,
+            "steady": path.steady,
+        }
+        for path in found.paths
+    ]
+    return plain(
+        {
+            "depth": found.depth,
+            "direction": found.directions[0],
+            "given": found.friction,
+            "friction": found.effective[:, 0],
+            "one_way": found.one_way[:, 0],
+            "amontons": found.amontons,
+            "spread": found.spread,
+            "converged": found.converged,
+            "reason": found.reason,
+            "paths": paths,
+        }
+    )
 
 
 def _moves(job: PressJob):

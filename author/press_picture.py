@@ -106,8 +106,10 @@ def _push(axes: Axes, result: dict[str, Any]) -> None:
         t = ", ".join(f"{v:.2f}" for v in result["tangents"][k])
         axes.plot(depth, along[:, k], line, marker=mark, color=colour, ms=4, lw=1.2, label=f"along ({t})")
     axes.legend(fontsize=8, frameon=False)
-    share = np.max(np.linalg.norm(force @ np.asarray(result["tangents"]).T, axis=1)) / np.max(result["force"])
-    title = f"force along the surface, no friction:\nat most {100 * share:.2g} % of the normal force"
+    title, top = "force along the surface, no friction", float(np.max(result["force"]))
+    if top > 0.0:
+        share = np.max(np.linalg.norm(force @ np.asarray(result["tangents"]).T, axis=1)) / top
+        title += f":\nat most {100 * share:.2g} % of the normal force"
     axes.set_title(title, fontsize=9.5, color=INK, loc="left")
 
 

@@ -21,11 +21,21 @@ from palpate.fem_offline.verification import hertz, sneddon
 from palpate.fem_offline.verification.blocks import half_space
 from palpate.fem_offline.verification.row import Row, against
 
-__all__ = ["energy_rows", "force_rows", "large_indentation_rows", "press_half_space", "refinement_row"]
+__all__ = [
+    "POISSON",
+    "energy_rows",
+    "force_rows",
+    "large_indentation_rows",
+    "poisson_rows",
+    "press_half_space",
+    "refinement_row",
+]
 
 RADIUS = 5e-3
 PLACE = np.array([1.3e-3, 0.7e-3, 0.0])
 """Off the mesh's planes of symmetry, where everything is easier than it should be."""
+POISSON = (0.0, 0.3, 0.45, 0.499)
+"""Poisson's ratios pressed against Hertz, beside the 0.48 of `force_rows`."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +78,21 @@ def force_rows(pressed: HalfSpacePress) -> Iterator[Row]:
     expected = sneddon.sphere_force(pressed.effective_modulus, RADIUS, depth[2])
     name = f"Sneddon's sphere, d/R = {depth[2] / RADIUS:.3g}"
     yield against(name, "Sneddon 1965", float(force[2]), float(expected), 0.03, note)
+
+
+def poisson_rows(ratios: tuple[float, ...] = POISSON) -> Iterator[Row]:
+    """Hertz at d/R = 0.0125, whatever Poisson's ratio.
+
+    So shallow because Hertz lets the surface move along the normal only.  A compressible one also moves inwards under
+    the ball, by some (1 - 2 nu) a/R of the contact's radius, which takes it deeper into the ball: at nu = 0 the force
+    is 1.054 of Hertz at d/R = 0.05, 1.023 at 0.0125, 0.991 at 0.003.
+    """
+    for nu in ratios:
+        pressed = press_half_space(RADIUS * np.array([0.0125]), poissons_ratio=nu)
+        expected = hertz.sphere_force(pressed.effective_modulus, RADIUS, pressed.record.depth[1])
+        name = f"Hertz, d/R = 0.0125, nu = {nu:g}"
+        note = f"{pressed.record.newton_steps} Newton steps"
+        yield against(name, "Hertz 1882", float(pressed.record.force[1]), float(expected), 0.03, note)
 
 
 def large_indentation_rows(pressed: HalfSpacePress) -> Iterator[Row]:

@@ -99,8 +99,12 @@ def subject(contrast: float, nodes: int = 60) -> Subject:
     return Subject(organ, truth, *fields(1.0), *fields(SWAPPED))
 
 
-def walks(organ: KnownOrgan, rng: np.random.Generator, step: np.ndarray) -> np.ndarray:
-    """(n, TICKS, 3) m: from just above the cap into it, then with inertia; every second one returns the way it came."""
+def walks(organ: KnownOrgan, rng: np.random.Generator, step: np.ndarray, drop: float) -> np.ndarray:
+    """(n, TICKS, 3) m: from just above the cap into it, then with inertia; every second one returns the way it came.
+
+    Contact comes from above the way that reaches farthest; over five ticks the tool sinks by `drop` (m) as well, so
+    that the other ways touch however small the step.
+    """
     n = len(step)
     c = organ.random_cap(n, rng, 14e-3)
     out = organ.normal(c)
@@ -110,6 +114,7 @@ def walks(organ: KnownOrgan, rng: np.random.Generator, step: np.ndarray) -> np.n
     v[:, :5] -= 1.2 * out[:, None]
     start = c + (5e-3 + 0.5 * step[:, None]) * out
     q = np.concatenate([start[:, None], start[:, None] + np.cumsum(v * step[:, None, None], axis=1)], axis=1)
+    q -= (drop * np.minimum(np.arange(TICKS) / 5.0, 1.0))[:, None] * out[:, None]
     half = TICKS // 2
     q[::2, half:] = q[::2, half - 1 :: -1][:, : TICKS - half]
     return q
@@ -150,7 +155,7 @@ def run(subject: Subject, family: str, paths: int, rng: np.random.Generator) -> 
     step = np.clip(speed / rate, 1e-7, 6e-4)  # m; beyond, 24 ticks would leave the cap
     friction = rng.choice([0.0, 0.05, 0.1, 0.3, 1.0], paths)
     tilt, swap, moving = (family in (name, FAMILIES[-1]) for name in FAMILIES[1:4])
-    x = walks(subject.organ, rng, step)
+    x = walks(subject.organ, rng, step, np.ptp(OFFSETS) if tilt else 0.0)
     states = np.zeros((paths, TICKS), dtype=STATE)
     states["size"], states["dt"] = STATE.itemsize, (1.0 / rate)[:, None]
     states["orientation"][..., 3] = states["organ_orientation"][..., 3] = 1.0

@@ -12,8 +12,7 @@ def test_nothing_is_created_to_a_billionth_of_what_is_exchanged(paths):
     for row in energy_paths.table(paths):
         assert row["share"] < 1e-9, row
         assert row["created"] < 1e-13 and row["force_error"] < 1e-9 and row["balance"] < 1e-13, row
-        # enough paths say something: with tilts about a third of them stay above the tissue
-        assert row["touched"] > 0.5 * row["paths"] > 5 * row["left"] and row["exchanged"] > 0.0, row
+        assert row["touched"] > 0.9 * row["paths"] > 5 * row["left"] and row["exchanged"] > 0.0, row
 
 
 def test_the_judge_sees_energy_from_nowhere():

@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import ctypes
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import trimesh
+
+from palpate.author.doctor import SHARED_OBJECTS
 
 SMALLEST = """
 [scene]
@@ -52,6 +56,19 @@ def write_scene(folder: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture
+def can_draw() -> None:
+    """Skips where a library that off-screen drawing loads is absent; where all are there, drawing must work."""
+    if not sys.platform.startswith("linux"):
+        return
+    for soname, needed, used_for, _ in SHARED_OBJECTS:
+        if needed and "pictures" in used_for:
+            try:
+                ctypes.CDLL(soname)
+            except OSError as error:
+                pytest.skip(f"pictures need {soname}: {error}")
 
 
 @pytest.fixture

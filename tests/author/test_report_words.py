@@ -11,7 +11,7 @@ import trimesh
 from palpate.author.report.held_out_rows import held_out_rows
 from palpate.author.report.numbers import asked, percent, significant, written
 from palpate.author.report.projection import WINDOW, Mesh, View
-from palpate.author.report.render import RenderFailure, render
+from palpate.author.report.render import render
 from palpate.author.report.verdict import overall, verdict
 
 
@@ -86,15 +86,12 @@ def test_marks_behind_the_organ_are_not_seen() -> None:
     assert ((pixels > 0) & (pixels < WINDOW)).all()
 
 
-def test_projection_is_where_the_renderer_draws() -> None:
+def test_projection_is_where_the_renderer_draws(can_draw: None) -> None:
     view = ball_view()
     place = 0.05 * np.array([0.28, -0.96, 0.0])
     dot = trimesh.creation.icosphere(subdivisions=2, radius=0.002)
     dot = Mesh(np.asarray(dot.vertices) + place, np.asarray(dot.faces), "#ff0000")
-    try:
-        (image,) = render([View(view.eye, view.up, view.shown, view.margin, [*view.meshes, dot])])
-    except RenderFailure as failure:
-        pytest.skip(str(failure))
+    (image,) = render([View(view.eye, view.up, view.shown, view.margin, [*view.meshes, dot])])
     red = (image[..., 0] > 80) & (image[..., 1] < 40)
     rows, columns = np.nonzero(red)
     pixels, seen = view.project(place[None])

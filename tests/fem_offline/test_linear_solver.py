@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
+from importlib.util import find_spec
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -17,8 +19,10 @@ from palpate.fem_offline.linear_solver import (
 def solver(request, monkeypatch):
     if request.param == "scipy":
         monkeypatch.setattr(linear_solver, "_pardiso", lambda: None)
-    elif not pardiso_available():
+    elif find_spec("pypardiso") is None:
         pytest.skip("Pardiso is not installed")
+    else:
+        assert pardiso_available(), "pypardiso is installed, but its library is not found"
     return request.param
 
 

@@ -75,14 +75,14 @@ def error_figure(validation: dict[str, Any] | None, noticeable: float) -> go.Fig
         if abs(noticeable - validation["tolerance"]) > 1e-9:
             marks.append((100 * noticeable, f"noticeable {asked(noticeable)}", "dot", 0.9))
         for x, text, dash, height in marks:
-            figure.add_vline(x=x, line={"color": MARK, "width": 1.3, "dash": dash}, row=1, col=column)  # type: ignore
+            figure.add_vline(x=x, line={"color": MARK, "width": 1.3, "dash": dash}, row=1, col=column)
             side, shift = ("left", 4) if x < 0.7 * top else ("right", -4)
             axes = ("x", "y domain") if column == 1 else ("x2", "y2 domain")
             figure.add_annotation(
                 x=x, y=height, xref=axes[0], yref=axes[1], text=text, showarrow=False, xanchor=side, yanchor="top",
                 xshift=shift, font={"size": 11, "color": MARK}, bgcolor="rgba(255,255,255,0.8)",
             )  # fmt: skip
-    figure.add_hline(y=95, line={"color": QUIET, "width": 1}, row=1, col=2)  # type: ignore
+    figure.add_hline(y=95, line={"color": QUIET, "width": 1}, row=1, col=2)
     figure.update_xaxes(title_text="error, % of the FEM normal force at that depth", rangemode="tozero")
     figure.update_xaxes(range=[0, top * 1.02], row=1, col=1)
     everything = max([top, *(values[-1] for values in errors.values() if len(values))])
@@ -153,7 +153,7 @@ def residual_figure(tool: dict[str, Any]) -> go.Figure | None:
             )  # fmt: skip
     figure.update_xaxes(title_text="nodes, by residual", rangemode="tozero")
     figure.update_yaxes(title_text="residual, % of deepest force", rangemode="tozero")
-    figure.update_layout(showlegend=len(figure.data) > 1)  # type: ignore
+    figure.update_layout(showlegend=len(figure.data) > 1)
     return _dressed(figure, 280)
 
 

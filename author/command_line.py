@@ -9,8 +9,10 @@ Each command prints one answer on stdout (--json: one JSON object) and everythin
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -31,12 +33,15 @@ app = typer.Typer(
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
 Asset = Annotated[Path, typer.Argument(metavar="ASSET", help="asset folder")]
+_TYPED: ContextVar[str] = ContextVar("typed", default="")
+"""The command, as it can be typed again."""
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout, everything else on stderr")]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command; gives the exit code."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    _TYPED.set(shlex.join(["palpate", *given]))
     try:
         code = app(args=given, prog_name="palpate", standalone_mode=False)
     except typer.Exit as end:
@@ -308,7 +313,7 @@ def schema() -> None:
 
 
 def _end(work: Callable[[], Answer], as_json: bool) -> None:
-    raise typer.Exit(answer_of(work, as_json))
+    raise typer.Exit(answer_of(work, as_json, _TYPED.get()))
 
 
 def _error_lines(result: dict[str, Any]) -> str:

@@ -8,6 +8,7 @@ Mesh and solver libraries print to the process's own standard output.  While a c
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
@@ -26,7 +27,9 @@ from palpate.author.errors import exit_code, problems_of
 
 __all__ = ["Answer", "answer_of", "plain", "table_of"]
 
-GO_ON = "Interrupted. Every finished press is kept: the same command goes on from there."
+GO_ON = "Interrupted. Every finished press is kept."
+REFUSED = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM})
+"""What the system says when a folder takes no more, or never did."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +47,12 @@ class Answer:
     exit_code: int = 0
 
 
-def answer_of(work: Callable[[], Answer], as_json: bool) -> int:
-    """Does the work, answers on stdout, tells errors on stderr; gives the exit code."""
+def answer_of(work: Callable[[], Answer], as_json: bool, command: str = "") -> int:
+    """Does the work, answers on stdout, tells errors on stderr; gives the exit code.
+
+    Args:
+        command: what was typed; after an interrupt it goes on from there.
+    """
     result: dict[str, Any]
     with _stdout_is_stderr():
         try:
@@ -53,7 +60,7 @@ def answer_of(work: Callable[[], Answer], as_json: bool) -> int:
             result, shown, code = answer.result, answer.shown, answer.exit_code
         except (Exception, KeyboardInterrupt) as error:
             code, shown = exit_code(error), []
-            result = _told(error, code)
+            result = _told(error, code, command)
     if as_json:
         print(json.dumps(plain(result), allow_nan=False))
     else:
@@ -84,18 +91,25 @@ def table_of(*columns: str) -> Table:
     return Table(*columns, box=None, pad_edge=False, padding=(0, 2, 0, 0))
 
 
-def _told(error: BaseException, code: int) -> dict[str, Any]:
+def _told(error: BaseException, code: int, command: str) -> dict[str, Any]:
     """Tells `error` on stderr; gives what --json says about it."""
     if isinstance(error, KeyboardInterrupt):
-        print(GO_ON, file=sys.stderr)
-        return {"error": {"exit_code": code, "sentence": GO_ON}}
+        sentence = str(error) or GO_ON
+        if command:
+            sentence += f" The same command goes on from there: {command}"
+        print(sentence, file=sys.stderr)
+        return {"error": {"exit_code": code, "sentence": sentence}}
     if code == 2:
         problems = problems_of(error)
         for problem in problems:
             print(f"palpate: {problem.sentence}", file=sys.stderr)
         return {"error": {"exit_code": code, "problems": [problem.as_json() for problem in problems]}}
     sentence = f"{type(error).__name__}: {error}"
-    if type(error).__module__.startswith("palpate."):
+    if isinstance(error, OSError) and error.errno in REFUSED:
+        where = error.filename or "a file"
+        sentence = f"{where}: {error.strerror}; what was finished before is still there"
+        print(f"palpate: {sentence}", file=sys.stderr)
+    elif type(error).__module__.startswith("palpate."):
         print(f"palpate: {error}", file=sys.stderr)
     else:
         traceback.print_exception(error, file=sys.stderr)

@@ -16,7 +16,15 @@ from palpate.fem_offline.errors import MeshError, SupportError, SurfaceError, To
 from palpate.fields.field_error import FieldError
 from palpate.runtime.library import RuntimeFailure
 
-__all__ = ["InputError", "InputProblem", "PalpateError", "ToleranceNotMet", "exit_code", "problems_of"]
+__all__ = [
+    "InputError",
+    "InputProblem",
+    "Interrupted",
+    "PalpateError",
+    "ToleranceNotMet",
+    "exit_code",
+    "problems_of",
+]
 
 _REFUSALS = (SurfaceError, MeshError, SupportError, ToolError, FieldError)
 """How the rooms below, which cannot import this one, refuse an input."""
@@ -85,6 +93,10 @@ class ToleranceNotMet(PalpateError):
     """The work is done and its result is there, but a stated tolerance is not met."""
 
     exit_code = 1
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C, after what was finished has been kept; the text says how much that is."""
 
 
 def exit_code(error: BaseException) -> int:

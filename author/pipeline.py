@@ -20,7 +20,8 @@ from palpate.author.field_stage import contact_geometry_of, field_of
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh, mesh_organ
-from palpate.author.press_jobs import PressJob, press_executor, run_jobs
+from palpate.author.press_executor import press_executor
+from palpate.author.press_jobs import PressJob, run_jobs
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import ReachSamples, farthest_points, held_out_points, reach_samples
 from palpate.author.scene import Scene

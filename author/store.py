@@ -11,8 +11,9 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-import zipfile
+import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +21,12 @@ import numpy as np
 
 from palpate.author.errors import PalpateError
 
-__all__ = ["Store"]
+__all__ = ["Result", "Store"]
 
 Result = tuple[dict[str, np.ndarray], dict[str, Any]]
 """Arrays and JSON-clean values."""
+ABANDONED = 3600.0
+"""s; no writer takes as long."""
 
 
 class Store:
@@ -41,21 +44,44 @@ class Store:
         return self.folder / kind / f"{key[:32]}.npz"
 
     def read(self, kind: str, key: str) -> Result | None:
-        """The result, or None when it is not there or not readable (then set aside as .damaged)."""
+        """The result, or None when it is not there or is damaged (then set aside as .damaged, and named).
+
+        Raises:
+            PalpateError: the file is there, but the system does not let it be read or set aside.
+        """
         path = self.path(kind, key)
-        if not path.is_file():
-            return None
         try:
-            with np.load(path, allow_pickle=False) as file:
+            with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
                 arrays = {name: file[name] for name in file.files if name != "_json"}
                 values = json.loads(str(file["_json"]))
             if values.pop("_key") != key:
                 raise ValueError("the result belongs to another key")
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError):
-            self.damaged.append(str(path))
-            path.replace(path.with_suffix(".damaged"))
+        except FileNotFoundError:
+            return None
+        except PermissionError as error:
+            raise PalpateError(f"{path} cannot be read ({error.strerror})") from error
+        except Exception:  # a damaged file breaks the reader anywhere: archive, header, array, text
+            self._set_aside(path)
             return None
         return arrays, values
+
+    def _set_aside(self, path: Path) -> None:
+        try:
+            path.replace(path.with_suffix(".damaged"))
+        except FileNotFoundError:
+            return  # another reader was faster
+        except OSError as error:
+            raise PalpateError(
+                f"{path} is damaged and cannot be set aside ({error.strerror}); make its folder writable"
+            ) from error
+        self.damaged.append(str(path))
+
+    def sweep(self) -> None:
+        """Remove what killed writers left half-written: unfinished files that nobody has touched for an hour."""
+        for path in self.folder.glob("*/*.part"):
+            with suppress(OSError):
+                if time.time() - path.stat().st_mtime > ABANDONED:
+                    path.unlink()
 
     def write(self, kind: str, key: str, arrays: dict[str, np.ndarray], values: dict[str, Any]) -> None:
         """Keep a result.

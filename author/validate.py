@@ -17,7 +17,8 @@ from palpate.author.errors import InputError, InputProblem
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.pipeline import TRUTH, ladder
-from palpate.author.press_jobs import press_executor, run_jobs
+from palpate.author.press_executor import press_executor
+from palpate.author.press_jobs import run_jobs
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import held_out_points, reach_samples
 from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support

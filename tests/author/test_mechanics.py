@@ -32,7 +32,7 @@ def test_every_module_that_python_loads_for_a_press_counts() -> None:
 
 
 def test_every_module_that_a_worker_names_counts() -> None:
-    tree = ast.parse((files("palpate.author") / "press_jobs.py").read_text())
+    tree = ast.parse((files("palpate.author") / "press_solve.py").read_text())
     named = set(mechanics._imported(tree))
     assert named and named <= set(mechanics.mechanics_modules())
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from palpate.author import press_jobs
+from palpate.author import press_solve
 from palpate.author.press_jobs import PressJob
 from palpate.author.press_picture import press_picture
 from palpate.author.tool_stage import ToolShape
@@ -38,7 +38,7 @@ def dragged(monkeypatch: pytest.MonkeyPatch, reason: str = "") -> dict[str, Any]
     monkeypatch.setattr(dragging, "drag", lambda *a, **k: drag_record(reason))
     ball = ToolShape("sphere", (("radius", 5e-3),))
     job = PressJob((0, 0, 0), ball, tuple(DEPTHS), "full", friction=0.1, drag=tuple(DEPTHS))
-    return press_jobs._dragged(None, None, job, lambda depth: None)
+    return press_solve._dragged(None, None, job, lambda depth: None)
 
 
 def result(**more: Any) -> dict[str, Any]:

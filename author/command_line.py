@@ -56,6 +56,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else 0
 
 
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", min=1, metavar="N", help="processes that press; all cores when absent"),
+]
+
+
 @app.command()
 def plan(scene: SceneFile, as_json: Json = False) -> None:
     """Show what will be meshed, pressed and stored, and what it costs."""
@@ -72,6 +78,7 @@ def plan(scene: SceneFile, as_json: Json = False) -> None:
 def author(
     scene: SceneFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="where the asset goes")],
+    workers: Workers = None,
     as_json: Json = False,
 ) -> None:
     """Make the asset: repair, tetrahedralise, press, fit, write, cook, validate, report."""
@@ -83,7 +90,7 @@ def author(
         from palpate.author.pipeline import author as authored
 
         with ConsoleProgress() as progress:
-            result = authored(ready, out, progress=progress)
+            result = authored(ready, out, progress=progress, workers=workers)
         return Answer(result, [_error_lines(result)], 0 if result["tolerance_met"] else 1)
 
     _end(work, as_json)

@@ -8,7 +8,9 @@ import json
 import platform
 import resource
 import time
+from collections.abc import Iterator
 from importlib import metadata
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,8 @@ from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh, mesh_organ
 from palpate.author.press_executor import press_executor
-from palpate.author.press_jobs import PressJob, run_jobs
+from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
+from palpate.author.press_rate import PressRate
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import ReachSamples, farthest_points, held_out_points, reach_samples
 from palpate.author.scene import Scene
@@ -50,29 +53,44 @@ def node_jobs(points: np.ndarray, tool: ToolShape, depth_max: float, fidelity: s
     return [PressJob(tuple(map(float, point)), tool, depths, fidelity) for point in points]
 
 
-def author(scene: Scene, out: Path, progress: Progress | None = None) -> dict[str, Any]:
+def author(
+    scene: Scene, out: Path, progress: Progress | None = None, workers: int | None = None
+) -> dict[str, Any]:
     """Make the asset of a scene in the folder `out`.
+
+    Args:
+        workers: processes that press; one for each core when absent.
 
     Returns:
         What `palpate author --json` prints.
 
     Raises:
         InputError: the scene does not fit its organ.
+        Interrupted: by Ctrl-C while pressing; says how many presses are kept.
     """
     begun = time.perf_counter()
     progress = progress or SilentProgress()
     out = Path(out)
     store = Store(out / "work")
+    store.sweep()
     stages = _Stages(progress)
 
     stages.begin("surface and tetrahedra")
     mesh = mesh_organ(scene, store)
     tools = [_ToolWork(scene, mesh, tool) for tool in scene.tool]
 
-    stages.begin("presses", sum(len(work.jobs) for work in tools))
-    with press_executor() as executor:
-        for work in tools:
-            work.press(mesh, store, executor, progress)
+    jobs = [job for work in tools for job in work.jobs]
+    stages.begin("presses", len(jobs))
+    with press_executor(workers, progress.say) as executor:
+        rate = PressRate(jobs, lambda: executor.workers)
+
+        def done(outcome: PressOutcome) -> None:
+            rate.arrived(outcome)
+            progress.advance(1, rate.note, rate.left)
+
+        outcomes = iter(run_jobs(mesh, jobs, store, executor, done))
+    for work in tools:
+        work.take(outcomes)
 
     stages.begin("contact geometry and response field")
     samples = tools[0].samples
@@ -181,13 +199,11 @@ class _ToolWork:
         """Longest first, so that no core waits at the end."""
         return [*self.held_jobs, *self.node_jobs, *self.near_jobs]
 
-    def press(self, mesh: OrganMesh, store: Store, executor: Any, progress: Progress) -> None:
-        def done(outcome: Any) -> None:
-            progress.advance(1, outcome.values["reason"][:60] or ("" if outcome.fresh else "kept"))
-
-        outcomes = run_jobs(mesh, self.jobs, store, executor, done)
-        a, b = len(self.held_jobs), len(self.held_jobs) + len(self.node_jobs)
-        self.held_outcomes, self.node_outcomes, self.near_outcomes = outcomes[:a], outcomes[a:b], outcomes[b:]
+    def take(self, outcomes: Iterator[PressOutcome]) -> None:
+        """The outcomes of `jobs`, in their order."""
+        self.held_outcomes = list(islice(outcomes, len(self.held_jobs)))
+        self.node_outcomes = list(islice(outcomes, len(self.node_jobs)))
+        self.near_outcomes = list(islice(outcomes, len(self.near_jobs)))
 
     def fit(self, scene: Scene, mesh: OrganMesh, geometry: Any) -> Any:
         provenance = {

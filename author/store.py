@@ -56,6 +56,8 @@ class Store:
                 values = json.loads(str(file["_json"]))
             if values.pop("_key") != key:
                 raise ValueError("the result belongs to another key")
+            if values.pop("_arrays", sorted(arrays)) != sorted(arrays):
+                raise ValueError("arrays are missing, or have other names")
         except FileNotFoundError:
             return None
         except PermissionError as error:
@@ -90,7 +92,7 @@ class Store:
             PalpateError: the folder cannot be written, or the disk is full.
         """
         path = self.path(kind, key)
-        text = json.dumps({**values, "_key": key})
+        text = json.dumps({**values, "_key": key, "_arrays": sorted(arrays)})
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             handle, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")

@@ -46,7 +46,7 @@ def pipeline(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Callable[[],
 
     def put(work: Callable[[], Any]) -> None:
         module = types.ModuleType("palpate.author.pipeline")
-        module.author = lambda scene, out, progress: work()  # type: ignore[attr-defined]
+        module.author = lambda scene, out, **options: work()  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "palpate.author.pipeline", module)
 
     yield put
@@ -125,7 +125,7 @@ def test_an_interrupt_ends_with_130_and_says_how_to_go_on(
     assert main(["author", str(write_scene()), "--out", "out", "--json"]) == 130
     captured = capfd.readouterr()
     assert json_answer(captured)["error"]["exit_code"] == 130
-    assert "the same command goes on from there" in captured.err
+    assert "The same command goes on from there: palpate author" in captured.err
     assert "Traceback" not in captured.err
 
 

@@ -10,6 +10,7 @@
 j is the tetrahedron's mean volume strain (mean_dilatation.py).  A tetrahedron cut by a border between materials mixes
 their energies.  The split of kappa: material_table.py.
 Everything is float64.  `max_unroll = 1` keeps a cold compile at seconds instead of half a minute.
+One launch evaluates any number of systems (side_by_side.py), those of other presses too (batch.py).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from scipy import sparse
 
 from palpate.fem_offline import constitutive as law
 from palpate.fem_offline import material_table as t
+from palpate.fem_offline.batch import current_device, together
 from palpate.fem_offline.material_table import FULL_SHARE, Tabulated, material_table
 from palpate.fem_offline.mean_dilatation import (
     cofactor,
@@ -37,6 +39,7 @@ from palpate.fem_offline.quadratic_space import (
     QuadraticSpace,
     shape_gradients_barycentric,
 )
+from palpate.fem_offline.side_by_side import Resident, SideBySide
 from palpate.fem_offline.tensor4 import mat9x9
 from palpate.fem_offline.warp_session import start_warp
 
@@ -52,6 +55,20 @@ QUARTER = wp.constant(wp.float64(0.25))
 
 mat10x3 = wp.types.matrix(shape=(10, 3), dtype=wp.float64)
 mat30x30 = wp.types.matrix(shape=(30, 30), dtype=wp.float64)
+
+
+@wp.struct
+class Elements:
+    """One system's elements on a device; its part of common arrays begins at first_node and first_value."""
+
+    elements: wp.array2d(dtype=wp.int32)
+    corner_gradients: wp.array2d(dtype=wp.vec3d)
+    volumes: wp.array(dtype=wp.float64)
+    table: wp.array2d(dtype=wp.float64)
+    fraction: wp.array2d(dtype=wp.float64)
+    entry: wp.array2d(dtype=wp.int32)
+    first_node: wp.int32
+    first_value: wp.int32
 
 
 @wp.func
@@ -71,13 +88,11 @@ def shape_gradients(
 
 
 @wp.func
-def deformation_gradient(
-    dN: mat10x3, elements: wp.array2d(dtype=wp.int32), e: int, u: wp.array(dtype=wp.vec3d)
-) -> wp.mat33d:
+def deformation_gradient(dN: mat10x3, s: Elements, e: int, u: wp.array(dtype=wp.vec3d)) -> wp.mat33d:
     """F = I + sum_a u_a (x) grad N_a."""
     F = wp.identity(n=3, dtype=wp.float64)
     for a in range(10):
-        F += wp.outer(u[elements[e, a]], wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]))
+        F += wp.outer(u[s.first_node + s.elements[e, a]], wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]))
     return F
 
 
@@ -97,69 +112,68 @@ def tangent(F: wp.mat33d, table: wp.array2d(dtype=wp.float64), m: int) -> mat9x9
 
 @wp.kernel
 def energy_and_force(
-    elements: wp.array2d(dtype=wp.int32),
-    corner_gradients: wp.array2d(dtype=wp.vec3d),
-    volumes: wp.array(dtype=wp.float64),
-    table: wp.array2d(dtype=wp.float64),
-    fraction: wp.array2d(dtype=wp.float64),
+    systems: wp.array(dtype=Elements),
+    end: wp.array(dtype=wp.int32),
     rule: wp.array3d(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
     # outputs
     energy: wp.array(dtype=wp.float64),
-    smallest_jacobian: wp.array(dtype=wp.float64),
+    smallest_jacobian: wp.array2d(dtype=wp.float64),
     force: wp.array(dtype=wp.vec3d),
 ):
-    e = wp.tid()
+    item = wp.tid()
+    k = wp.lower_bound(end, item + 1)
+    s = systems[k]
+    e = item - end[k] + s.elements.shape[0]
     J_min = wp.float64(1.0e30)
     j = wp.vec2d()
     for q in range(POINT_COUNT + 1):
-        F = deformation_gradient(shape_gradients(rule, q, corner_gradients, e), elements, e, u)
+        F = deformation_gradient(shape_gradients(rule, q, s.corner_gradients, e), s, e, u)
         J_min = wp.min(J_min, wp.determinant(F))
         if q < POINT_COUNT:
             j += volume_strain(F) * QUARTER
-    p = wp.cw_mul(mean_kappa(table, fraction, e), j)
-    W = wp.float64(0.5) * volumes[e] * wp.dot(p, j)
-    weight = volumes[e] * QUARTER
+    p = wp.cw_mul(mean_kappa(s.table, s.fraction, e), j)
+    W = wp.float64(0.5) * s.volumes[e] * wp.dot(p, j)
+    weight = s.volumes[e] * QUARTER
     local = mat10x3()
     for q in range(POINT_COUNT):
-        dN = shape_gradients(rule, q, corner_gradients, e)
-        F = deformation_gradient(dN, elements, e, u)
+        dN = shape_gradients(rule, q, s.corner_gradients, e)
+        F = deformation_gradient(dN, s, e, u)
         P = mean_stress(F, p) * weight
-        for m in range(table.shape[0]):
-            if fraction[e, m] != wp.float64(0.0):
-                psi, P_m = response(F, table, m)
-                W += weight * fraction[e, m] * psi
-                P += P_m * (weight * fraction[e, m])
+        for m in range(s.table.shape[0]):
+            if s.fraction[e, m] != wp.float64(0.0):
+                psi, P_m = response(F, s.table, m)
+                W += weight * s.fraction[e, m] * psi
+                P += P_m * (weight * s.fraction[e, m])
         for a in range(10):
             f = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
             for i in range(3):
                 local[a, i] = local[a, i] + f[i]
-    energy[e] = W
-    smallest_jacobian[e] = J_min
+    energy[item] = W
+    smallest_jacobian[item, 0] = J_min
     for a in range(10):
-        wp.atomic_add(force, elements[e, a], wp.vec3d(local[a, 0], local[a, 1], local[a, 2]))
+        wp.atomic_add(force, s.first_node + s.elements[e, a], wp.vec3d(local[a, 0], local[a, 1], local[a, 2]))
 
 
 @wp.kernel
 def hessian(
-    elements: wp.array2d(dtype=wp.int32),
-    corner_gradients: wp.array2d(dtype=wp.vec3d),
-    volumes: wp.array(dtype=wp.float64),
-    table: wp.array2d(dtype=wp.float64),
-    fraction: wp.array2d(dtype=wp.float64),
+    systems: wp.array(dtype=Elements),
+    end: wp.array(dtype=wp.int32),
     rule: wp.array3d(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
-    entry: wp.array2d(dtype=wp.int32),
     # outputs
     values: wp.array(dtype=wp.float64),
 ):
-    e = wp.tid()
+    item = wp.tid()
+    k = wp.lower_bound(end, item + 1)
+    s = systems[k]
+    e = item - end[k] + s.elements.shape[0]
     j_mean = wp.vec2d()
     g = mat10x3()  # derivative of the mean J - 1
     h = mat10x3()  # of the mean tr(F - 1)
     for q in range(POINT_COUNT):
-        dN = shape_gradients(rule, q, corner_gradients, e)
-        F = deformation_gradient(dN, elements, e, u)
+        dN = shape_gradients(rule, q, s.corner_gradients, e)
+        F = deformation_gradient(dN, s, e, u)
         j_mean += volume_strain(F) * QUARTER
         C = cofactor(F) * QUARTER
         for a in range(10):
@@ -167,17 +181,17 @@ def hessian(
             for i in range(3):
                 g[a, i] = g[a, i] + slope[i]
                 h[a, i] = h[a, i] + QUARTER * dN[a, i]
-    kappa = mean_kappa(table, fraction, e)
+    kappa = mean_kappa(s.table, s.fraction, e)
     p = wp.cw_mul(kappa, j_mean)
-    weight = volumes[e] * QUARTER
+    weight = s.volumes[e] * QUARTER
     K = mat30x30()
     for q in range(POINT_COUNT):
-        dN = shape_gradients(rule, q, corner_gradients, e)
-        F = deformation_gradient(dN, elements, e, u)
+        dN = shape_gradients(rule, q, s.corner_gradients, e)
+        F = deformation_gradient(dN, s, e, u)
         A = mean_tangent(F, p) * weight  # A[3 i + k, 3 j + l] = w d P_ik / d F_jl
-        for m in range(table.shape[0]):
-            if fraction[e, m] != wp.float64(0.0):
-                A += tangent(F, table, m) * (weight * fraction[e, m])
+        for m in range(s.table.shape[0]):
+            if s.fraction[e, m] != wp.float64(0.0):
+                A += tangent(F, s.table, m) * (weight * s.fraction[e, m])
         for b in range(10):
             for j in range(3):
                 for i in range(3):
@@ -193,17 +207,17 @@ def hessian(
                         K[3 * a + i, 3 * b + j] = (
                             K[3 * a + i, 3 * b + j] + dN[a, 0] * t0 + dN[a, 1] * t1 + dN[a, 2] * t2
                         )
-    kappa = kappa * volumes[e]
+    kappa = kappa * s.volumes[e]
     for a in range(10):
         for i in range(3):
             r = 3 * a + i
             for c in range(r, 30):
-                at = entry[e, r * 30 + c]
+                at = s.entry[e, r * 30 + c]
                 if at >= 0:
                     b = c // 3
                     n = c - 3 * b
                     mean = kappa[0] * g[a, i] * g[b, n] + kappa[1] * h[a, i] * h[b, n]
-                    wp.atomic_add(values, at, K[r, c] + mean)
+                    wp.atomic_add(values, s.first_value + at, K[r, c] + mean)
 
 
 @dataclass(frozen=True)
@@ -292,76 +306,64 @@ class ElementState:
 
 
 @dataclass
-class ElementSystem:
+class ElementSystem(Resident):
     """The elements of one mesh, on one Warp device.
 
     Attributes:
         space: nodes and elements.
         materials: M of them.
         fraction: (T, M); how much of each material's energy an element has, as a rule adding up to one.
-        device: Warp device.
+        device: Warp device; that of this thread's batch where none is given.
         full_share: of kappa, see material_table.py.
     """
 
     space: QuadraticSpace
     materials: Sequence[Tabulated]
     fraction: np.ndarray
-    device: str = "cpu"
+    device: str = field(default_factory=current_device)
     full_share: float = FULL_SHARE
-    _arrays: list = field(init=False, repr=False)
+    kind = Elements
+    hessian_kernel = hessian
 
     def __post_init__(self) -> None:
         start_warp()
-        s = self.space
-        if np.shape(self.fraction) != (len(s.elements), len(self.materials)):
+        if np.shape(self.fraction) != (self.item_count, len(self.materials)):
             raise ValueError(
                 f"fraction has shape {np.shape(self.fraction)}; "
-                f"expected {len(s.elements)} tetrahedra by {len(self.materials)} materials"
+                f"expected {self.item_count} tetrahedra by {len(self.materials)} materials"
             )
-        table = material_table(self.materials, self.full_share)
-        self._arrays = [
-            wp.array(s.elements, dtype=wp.int32, device=self.device),
-            wp.array(s.corner_gradients, dtype=wp.vec3d, device=self.device),
-            wp.array(s.volumes, dtype=wp.float64, device=self.device),
-            wp.array(table, dtype=wp.float64, device=self.device),
-            wp.array(self.fraction, dtype=wp.float64, device=self.device),
-            wp.array(RULE_GRADIENTS, dtype=wp.float64, device=self.device),
-        ]
-        self._entries: dict[int, tuple[HessianPattern, wp.array]] = {}
+        space, table = self.space, material_table(self.materials, self.full_share)
+        arrays = {
+            "elements": (space.elements, wp.int32),
+            "corner_gradients": (space.corner_gradients, wp.vec3d),
+            "volumes": (space.volumes, wp.float64),
+            "table": (table, wp.float64),
+            "fraction": (self.fraction, wp.float64),
+        }
+        self.place(arrays, RULE_GRADIENTS)
+
+    @property
+    def item_count(self) -> int:
+        return len(self.space.elements)
+
+    @property
+    def node_count(self) -> int:
+        return self.space.node_count
+
+    def entry(self, pattern: HessianPattern) -> np.ndarray:
+        return pattern.entry
 
     def state(self, u: np.ndarray) -> ElementState:
         """Energy and nodal forces at the displacement u (N, 3) m."""
-        count = len(self.space.elements)
-        energy = wp.zeros(count, dtype=wp.float64, device=self.device)
-        jacobian = wp.zeros(count, dtype=wp.float64, device=self.device)
-        force = wp.zeros(self.space.node_count, dtype=wp.vec3d, device=self.device)
-        wp.launch(
-            energy_and_force,
-            dim=count,
-            inputs=[*self._arrays, wp.array(u, dtype=wp.vec3d, device=self.device)],
-            outputs=[energy, jacobian, force],
-            device=self.device,
-        )
-        smallest = float(jacobian.numpy().min())
-        total = float(energy.numpy().sum()) if smallest > 0.0 else np.inf
-        total = total if np.isfinite(total) else np.inf  # a stiffening energy overflows at absurd stretches
-        return ElementState(total, force.numpy(), smallest)
+        return together(_states, (self, u))
 
-    def hessian(self, u: np.ndarray, pattern: HessianPattern) -> np.ndarray:
-        """Values of the Hessian's upper triangle, N/m, on the pattern."""
-        if id(pattern) not in self._entries:
-            device_entry = wp.array(pattern.entry, dtype=wp.int32, device=self.device)
-            self._entries = {id(pattern): (pattern, device_entry)}
-        values = wp.zeros(len(pattern.column), dtype=wp.float64, device=self.device)
-        wp.launch(
-            hessian,
-            dim=len(self.space.elements),
-            inputs=[
-                *self._arrays,
-                wp.array(u, dtype=wp.vec3d, device=self.device),
-                self._entries[id(pattern)][1],
-            ],
-            outputs=[values],
-            device=self.device,
-        )
-        return values.numpy()
+
+def _states(asked: Sequence[tuple[ElementSystem, np.ndarray]]) -> list[ElementState]:
+    """Of systems on one device, each at its displacement (N, 3) m, in one launch."""
+    found = []
+    for energy, jacobian, force in SideBySide.of(*zip(*asked, strict=True)).apart(energy_and_force):
+        smallest = float(jacobian.min())
+        total = float(energy.sum()) if smallest > 0.0 else np.inf
+        total = total if np.isfinite(total) else np.inf  # a stiffening energy overflows at absurd stretches
+        found.append(ElementState(total, force, smallest))
+    return found

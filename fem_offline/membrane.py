@@ -24,6 +24,7 @@ Limits: no bending stiffness, so what holds a membrane against wrinkling in comp
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,10 +33,12 @@ import warp as wp
 from palpate.fem_offline import constitutive as law
 from palpate.fem_offline import material_table as t
 from palpate.fem_offline.assembly import HessianPattern
+from palpate.fem_offline.batch import current_device, together
 from palpate.fem_offline.contact import face_places
 from palpate.fem_offline.material import Material
 from palpate.fem_offline.material_table import material_table
 from palpate.fem_offline.quadratic_space import FACE_EDGES
+from palpate.fem_offline.side_by_side import Resident, SideBySide
 from palpate.fem_offline.tensor4 import mat9x9
 from palpate.fem_offline.warp_session import start_warp
 
@@ -54,6 +57,20 @@ CONVERGED = wp.constant(wp.float64(1.0e-9))
 mat6x3 = wp.types.matrix(shape=(6, 3), dtype=wp.float64)
 mat9x3 = wp.types.matrix(shape=(9, 3), dtype=wp.float64)
 mat18x18 = wp.types.matrix(shape=(18, 18), dtype=wp.float64)
+
+
+@wp.struct
+class Faces:
+    """One membrane's faces on a device; its part of common arrays begins at first_node and first_value."""
+
+    faces: wp.array2d(dtype=wp.int32)
+    gradients: wp.array2d(dtype=wp.vec3d)
+    normals: wp.array(dtype=wp.vec3d)
+    weights: wp.array(dtype=wp.float64)
+    table: wp.array2d(dtype=wp.float64)
+    entry: wp.array2d(dtype=wp.int32)
+    first_node: wp.int32
+    first_value: wp.int32
 
 
 @dataclass(frozen=True)
@@ -91,7 +108,7 @@ def surface_gradients(
 @wp.func
 def in_plane(
     dN: mat6x3,
-    faces: wp.array2d(dtype=wp.int32),
+    s: Faces,
     b: int,
     u: wp.array(dtype=wp.vec3d),
     N: wp.vec3d,
@@ -99,7 +116,7 @@ def in_plane(
     """F_s = 1 - N (x) N + sum_a u_a (x) grad_s N_a."""
     F = wp.identity(n=3, dtype=wp.float64) - wp.outer(N, N)
     for a in range(6):
-        F += wp.outer(u[faces[b, a]], wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]))
+        F += wp.outer(u[s.first_node + s.faces[b, a]], wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]))
     return F
 
 
@@ -172,11 +189,8 @@ def thickness_vector(F: wp.mat33d, E: wp.vec3d, N: wp.vec3d, table: wp.array2d(d
 
 @wp.kernel
 def energy_and_force(
-    faces: wp.array2d(dtype=wp.int32),
-    gradients: wp.array2d(dtype=wp.vec3d),
-    normals: wp.array(dtype=wp.vec3d),
-    weights: wp.array(dtype=wp.float64),
-    table: wp.array2d(dtype=wp.float64),
+    systems: wp.array(dtype=Faces),
+    end: wp.array(dtype=wp.int32),
     rule: wp.array3d(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
     # outputs
@@ -184,68 +198,70 @@ def energy_and_force(
     thickness: wp.array2d(dtype=wp.float64),
     force: wp.array(dtype=wp.vec3d),
 ):
-    b = wp.tid()
-    N = normals[b]
-    E = wp.normalize(gradients[b, 0])
+    item = wp.tid()
+    k = wp.lower_bound(end, item + 1)
+    s = systems[k]
+    b = item - end[k] + s.faces.shape[0]
+    N = s.normals[b]
+    E = wp.normalize(s.gradients[b, 0])
     W = wp.float64(0.0)
     local = mat6x3()
     for q in range(3):
-        dN = surface_gradients(rule, q, gradients, b)
-        F = in_plane(dN, faces, b, u, N)
-        f = thickness_vector(F, E, N, table)
-        thickness[b, q] = wp.length(f)
+        dN = surface_gradients(rule, q, s.gradients, b)
+        F = in_plane(dN, s, b, u, N)
+        f = thickness_vector(F, E, N, s.table)
+        thickness[item, q] = wp.length(f)
         F += wp.outer(f, N)
-        psi, P = energy_and_stress(F, table)
-        W += weights[b] * psi
+        psi, P = energy_and_stress(F, s.table)
+        W += s.weights[b] * psi
         for a in range(6):
-            g = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]) * weights[b]
+            g = P * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]) * s.weights[b]
             for i in range(3):
                 local[a, i] = local[a, i] + g[i]
-    energy[b] = W
+    energy[item] = W
     for a in range(6):
-        wp.atomic_add(force, faces[b, a], wp.vec3d(local[a, 0], local[a, 1], local[a, 2]))
+        wp.atomic_add(force, s.first_node + s.faces[b, a], wp.vec3d(local[a, 0], local[a, 1], local[a, 2]))
 
 
 @wp.kernel
 def hessian(
-    faces: wp.array2d(dtype=wp.int32),
-    gradients: wp.array2d(dtype=wp.vec3d),
-    normals: wp.array(dtype=wp.vec3d),
-    weights: wp.array(dtype=wp.float64),
-    table: wp.array2d(dtype=wp.float64),
+    systems: wp.array(dtype=Faces),
+    end: wp.array(dtype=wp.int32),
     rule: wp.array3d(dtype=wp.float64),
     u: wp.array(dtype=wp.vec3d),
-    entry: wp.array2d(dtype=wp.int32),
     # outputs
     values: wp.array(dtype=wp.float64),
 ):
-    b = wp.tid()
-    N = normals[b]
-    E = wp.normalize(gradients[b, 0])
+    item = wp.tid()
+    k = wp.lower_bound(end, item + 1)
+    s = systems[k]
+    b = item - end[k] + s.faces.shape[0]
+    N = s.normals[b]
+    E = wp.normalize(s.gradients[b, 0])
     K = mat18x18()
     for q in range(3):
-        dN = surface_gradients(rule, q, gradients, b)
-        F = in_plane(dN, faces, b, u, N)
-        F += wp.outer(thickness_vector(F, E, N, table), N)
-        A = tangent(F, table)
+        dN = surface_gradients(rule, q, s.gradients, b)
+        F = in_plane(dN, s, b, u, N)
+        F += wp.outer(thickness_vector(F, E, N, s.table), N)
+        A = tangent(F, s.table)
         B = normal_columns(A, N)
-        C = (A - B * wp.inverse(normal_block(B, N)) * wp.transpose(B)) * weights[b]
+        C = (A - B * wp.inverse(normal_block(B, N)) * wp.transpose(B)) * s.weights[b]
         for c in range(6):
             for j in range(3):
                 for i in range(3):
-                    s = wp.vec3d()
-                    for k in range(3):
+                    t = wp.vec3d()
+                    for n in range(3):
                         for l in range(3):
-                            s[k] = s[k] + C[3 * i + k, 3 * j + l] * dN[c, l]
+                            t[n] = t[n] + C[3 * i + n, 3 * j + l] * dN[c, l]
                     for a in range(6):
                         K[3 * a + i, 3 * c + j] = (
-                            K[3 * a + i, 3 * c + j] + dN[a, 0] * s[0] + dN[a, 1] * s[1] + dN[a, 2] * s[2]
+                            K[3 * a + i, 3 * c + j] + dN[a, 0] * t[0] + dN[a, 1] * t[1] + dN[a, 2] * t[2]
                         )
     for r in range(18):
         for c in range(18):
-            at = entry[b, r * 18 + c]
+            at = s.entry[b, r * 18 + c]
             if at >= 0:
-                wp.atomic_add(values, at, K[r, c])
+                wp.atomic_add(values, s.first_value + at, K[r, c])
 
 
 @dataclass(frozen=True)
@@ -264,19 +280,21 @@ class MembraneState:
 
 
 @dataclass
-class Membrane:
+class Membrane(Resident):
     """A capsule on some surface faces.
 
     Attributes:
         nodes: (N, 3) m.
         faces: (B, 6) quadratic face nodes.
+        device: Warp device; that of this thread's batch where none is given.
     """
 
     nodes: np.ndarray
     faces: np.ndarray
     capsule: Capsule
-    device: str = "cpu"
-    _arrays: list = field(init=False, repr=False)
+    device: str = field(default_factory=current_device)
+    kind = Faces
+    hessian_kernel = hessian
 
     def __post_init__(self) -> None:
         start_warp()
@@ -293,33 +311,37 @@ class Membrane:
         rule[:, range(3), range(3)] = 4.0 * L - 1.0
         for e, (i, j) in enumerate(FACE_EDGES):
             rule[:, 3 + e, i], rule[:, 3 + e, j] = 4.0 * L[:, j], 4.0 * L[:, i]
-        kinds = (wp.int32, wp.vec3d, wp.vec3d, wp.float64, wp.float64, wp.float64)
         weights = self.area * self.capsule.thickness / len(L)
-        table = material_table([self.capsule.material])
-        arrays = (self.faces, gradients, self.normals, weights, table, rule)
-        self._arrays = [wp.array(x, dtype=k, device=self.device) for x, k in zip(arrays, kinds, strict=True)]
-        self._entries: dict[int, tuple[HessianPattern, wp.array]] = {}
+        arrays = {
+            "faces": (self.faces, wp.int32),
+            "gradients": (gradients, wp.vec3d),
+            "normals": (self.normals, wp.vec3d),
+            "weights": (weights, wp.float64),
+            "table": (material_table([self.capsule.material]), wp.float64),
+        }
+        self.place(arrays, rule)
+
+    @property
+    def item_count(self) -> int:
+        return len(self.faces)
+
+    @property
+    def node_count(self) -> int:
+        return len(self.nodes)
+
+    def entry(self, pattern: HessianPattern) -> np.ndarray:
+        """Of a pattern that has the faces' blocks."""
+        return face_places(pattern, self.faces).reshape(len(self.faces), 324)
 
     def state(self, u: np.ndarray) -> MembraneState:
         """Energy, nodal forces and thickness at the displacement u (N, 3) m."""
-        count = len(self.faces)
-        energy = wp.zeros(count, dtype=wp.float64, device=self.device)
-        thickness = wp.zeros((count, 3), dtype=wp.float64, device=self.device)
-        force = wp.zeros(len(u), dtype=wp.vec3d, device=self.device)
-        inputs = [*self._arrays, wp.array(u, dtype=wp.vec3d, device=self.device)]
-        outputs = [energy, thickness, force]
-        wp.launch(energy_and_force, dim=count, inputs=inputs, outputs=outputs, device=self.device)
-        found = float(energy.numpy().sum()) if np.all(thickness.numpy() > 0.0) else np.inf
-        return MembraneState(found if np.isfinite(found) else np.inf, force.numpy(), thickness.numpy())
+        return together(_states, (self, u))
 
-    def hessian(self, u: np.ndarray, pattern: HessianPattern) -> np.ndarray:
-        """Values of the Hessian's upper triangle, N/m, on a pattern that has the faces' blocks."""
-        if id(pattern) not in self._entries:
-            places = face_places(pattern, self.faces).reshape(len(self.faces), 324)
-            entry = wp.array(places, dtype=wp.int32, device=self.device)
-            self._entries = {id(pattern): (pattern, entry)}
-        values = wp.zeros(len(pattern.column), dtype=wp.float64, device=self.device)
-        inputs = [*self._arrays, wp.array(u, dtype=wp.vec3d, device=self.device)]
-        inputs.append(self._entries[id(pattern)][1])
-        wp.launch(hessian, dim=len(self.faces), inputs=inputs, outputs=[values], device=self.device)
-        return values.numpy()
+
+def _states(asked: Sequence[tuple[Membrane, np.ndarray]]) -> list[MembraneState]:
+    """Of membranes on one device, each at its displacement (N, 3) m, in one launch."""
+    found = []
+    for energy, thickness, force in SideBySide.of(*zip(*asked, strict=True)).apart(energy_and_force, 3):
+        total = float(energy.sum()) if np.all(thickness > 0.0) else np.inf
+        found.append(MembraneState(total if np.isfinite(total) else np.inf, force, thickness))
+    return found

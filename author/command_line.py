@@ -79,6 +79,9 @@ def author(
     scene: SceneFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="where the asset goes")],
     workers: Workers = None,
+    scheduler: Annotated[
+        str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="press on a Dask cluster instead")
+    ] = "",
     as_json: Json = False,
 ) -> None:
     """Make the asset: repair, tetrahedralise, press, fit, write, cook, validate, report."""
@@ -86,11 +89,14 @@ def author(
     def work() -> Answer:
         from palpate.author.progress import ConsoleProgress
 
+        if scheduler and workers:
+            what, expected = "is for this machine's processes", "either --workers or --scheduler"
+            raise InputError(InputProblem("", "--workers", workers, what, expected))
         ready = ready_scene(scene)
         from palpate.author.pipeline import author as authored
 
         with ConsoleProgress() as progress:
-            result = authored(ready, out, progress=progress, workers=workers)
+            result = authored(ready, out, progress=progress, workers=workers, scheduler=scheduler)
         return Answer(result, [_error_lines(result)], 0 if result["tolerance_met"] else 1)
 
     _end(work, as_json)

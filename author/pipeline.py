@@ -9,6 +9,8 @@ import platform
 import resource
 import time
 from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, ExitStack
 from importlib import metadata
 from itertools import islice
 from pathlib import Path
@@ -54,12 +56,17 @@ def node_jobs(points: np.ndarray, tool: ToolShape, depth_max: float, fidelity: s
 
 
 def author(
-    scene: Scene, out: Path, progress: Progress | None = None, workers: int | None = None
+    scene: Scene,
+    out: Path,
+    progress: Progress | None = None,
+    workers: int | None = None,
+    scheduler: str = "",
 ) -> dict[str, Any]:
     """Make the asset of a scene in the folder `out`.
 
     Args:
         workers: processes that press; one for each core when absent.
+        scheduler: address of a Dask scheduler, whose workers press instead.
 
     Returns:
         What `palpate author --json` prints.
@@ -75,20 +82,19 @@ def author(
     store.sweep()
     stages = _Stages(progress)
 
-    stages.begin("surface and tetrahedra")
-    mesh = mesh_organ(scene, store)
-    tools = [_ToolWork(scene, mesh, tool) for tool in scene.tool]
-
-    jobs = [job for work in tools for job in work.jobs]
-    stages.begin("presses", len(jobs))
-    with press_executor(workers, progress.say) as executor:
-        rate = PressRate(jobs, lambda: executor.workers)
-
-        def done(outcome: PressOutcome) -> None:
-            rate.arrived(outcome)
-            progress.advance(1, rate.note, rate.left)
-
-        outcomes = iter(run_jobs(mesh, jobs, store, executor, done))
+    with ExitStack() as stack:
+        executor: Executor | None = None
+        if scheduler:
+            stages.begin("cluster")  # before any work: it may not be there
+            executor = stack.enter_context(_cluster(scheduler, progress))
+        stages.begin("surface and tetrahedra")
+        mesh = mesh_organ(scene, store)
+        tools = [_ToolWork(scene, mesh, tool) for tool in scene.tool]
+        jobs = [job for work in tools for job in work.jobs]
+        stages.begin("presses", len(jobs))
+        if executor is None:
+            executor = stack.enter_context(press_executor(workers, progress.say))
+        outcomes = iter(_pressed(mesh, jobs, store, executor, progress))
     for work in tools:
         work.take(outcomes)
 
@@ -139,6 +145,24 @@ def author(
     summary["report"] = str(write_report(out, summary))
     (out / "summary.json").write_text(json.dumps(summary, indent=1))
     return summary
+
+
+def _cluster(address: str, progress: Progress) -> AbstractContextManager[Executor]:
+    from palpate.author.cluster import cluster_executor
+
+    return cluster_executor(address, progress.say)
+
+
+def _pressed(
+    mesh: OrganMesh, jobs: list[PressJob], store: Store, executor: Any, progress: Progress
+) -> list[PressOutcome]:
+    rate = PressRate(jobs, lambda: executor.workers)
+
+    def done(outcome: PressOutcome) -> None:
+        rate.arrived(outcome)
+        progress.advance(1, rate.note, rate.left)
+
+    return run_jobs(mesh, jobs, store, executor, done)
 
 
 class _Stages:

@@ -58,18 +58,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 Workers = Annotated[
     int | None,
-    typer.Option("--workers", min=1, metavar="N", help="processes that press; all cores when absent"),
+    typer.Option(
+        "--workers",
+        min=1,
+        metavar="N",
+        help="processes that press; one a core when absent, fewer where memory is short",
+    ),
 ]
 
 
 @app.command()
-def plan(scene: SceneFile, as_json: Json = False) -> None:
+def plan(scene: SceneFile, workers: Workers = None, as_json: Json = False) -> None:
     """Show what will be meshed, pressed and stored, and what it costs."""
 
     def work() -> Answer:
         from palpate.author.plan import plan as planned
 
-        return planned(ready_scene(scene))
+        return planned(ready_scene(scene), workers)
 
     _end(work, as_json)
 

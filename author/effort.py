@@ -13,11 +13,18 @@ An estimate to plan with, right to a factor of two; what an asset reaches is mea
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
-__all__ = ["NODES_AT_LEAST", "PRESS_SECONDS", "node_count"]
+__all__ = ["NODES_AT_LEAST", "PRESS_SECONDS", "node_count", "press_memory", "worker_count"]
 
 PRESS_SECONDS: dict[str, float] = {"near_field": 20.0, "full": 120.0}
 """CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core."""
+
+PRESS_MEMORY: dict[str, tuple[int, int]] = {
+    "near_field": (390_000_000, 29_000),
+    "full": (800_000_000, 60_000),
+}
+"""bytes of a worker, and more for each tetrahedron of the organ, by fidelity."""
 
 NODES_AT_LEAST = 12
 """Fewest nodes that a field is built from (count)."""
@@ -27,3 +34,33 @@ def node_count(area: float, force_tolerance: float) -> int:
     """Presses that build a field over `area` (m2) for `force_tolerance` (fraction at the 95th percentile)."""
     estimate = 200.0 * (area / 148e-4) * (0.059 / force_tolerance) ** (1.0 / 1.4)
     return max(NODES_AT_LEAST, math.ceil(estimate))
+
+
+def press_memory(tets: int, fidelities: Iterable[str]) -> int:
+    """Peak resident set of a worker on an organ of `tets` tetrahedra, bytes; of the hungriest of `fidelities`."""
+    return max(PRESS_MEMORY[kind][0] + tets * PRESS_MEMORY[kind][1] for kind in fidelities)
+
+
+def worker_count(peak: int, available: int | None, cores: int, asked: int | None = None) -> tuple[int, str]:
+    """How many presses to do at once, so that memory holds them; and a sentence where that is fewer than wanted.
+
+    Args:
+        peak: bytes of one worker.
+        available: bytes; None: unknown, nothing is limited.
+        asked: by the user; one for each core when absent.
+    """
+    wanted = asked or cores
+    fit = wanted if available is None else available // peak
+    if fit >= wanted:
+        return wanted, ""
+    free = f"{_gigabytes(available or 0)} are free"
+    if fit:
+        return fit, f"{wanted} workers may take {_gigabytes(wanted * peak)} and {free}: {fit} press instead"
+    return 1, (
+        f"a press may take {_gigabytes(peak)} and {free}: one worker tries; "
+        "if it dies, free some memory or give the organ a larger mesh_size"
+    )
+
+
+def _gigabytes(count: int) -> str:
+    return f"{count / 1e9:.1f} GB"

@@ -18,13 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.effort import node_count
+from palpate.author.effort import node_count, press_memory, worker_count
 from palpate.author.errors import InputError
 from palpate.author.field_stage import contact_geometry_of, field_of
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
+from palpate.author.memory import available_memory
 from palpate.author.organ_stage import OrganMesh, mesh_organ
-from palpate.author.press_executor import press_executor
+from palpate.author.press_executor import core_count, press_executor
 from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
 from palpate.author.press_rate import PressRate
 from palpate.author.progress import Progress, SilentProgress
@@ -65,7 +66,7 @@ def author(
     """Make the asset of a scene in the folder `out`.
 
     Args:
-        workers: processes that press; one for each core when absent.
+        workers: processes that press; one for each core when absent.  Fewer where memory does not hold them.
         scheduler: address of a Dask scheduler, whose workers press instead.
 
     Returns:
@@ -93,8 +94,12 @@ def author(
         jobs = [job for work in tools for job in work.jobs]
         stages.begin("presses", len(jobs))
         if executor is None:
-            executor = stack.enter_context(press_executor(workers, progress.say))
-        outcomes = iter(_pressed(mesh, jobs, store, executor, progress))
+            count, limited = _worker_count(mesh, jobs, workers)
+            if limited:
+                progress.say(limited)
+            executor = stack.enter_context(press_executor(count, progress.say))
+        pressed = _pressed(mesh, jobs, store, executor, progress)
+    outcomes = iter(pressed)
     for work in tools:
         work.take(outcomes)
 
@@ -134,6 +139,7 @@ def author(
         "seed": scene.accuracy.seed,
         "versions": _versions(),
         "hashes": {"organ": mesh.hash, "scene": digest(scene.hash_inputs())},
+        "press_memory": max(outcome.values.get("peak_memory", 0) for outcome in pressed),
         "peak_memory": max(use.ru_maxrss for use in usage) * 1024,
     }
     stages.end()
@@ -151,6 +157,11 @@ def _cluster(address: str, progress: Progress) -> AbstractContextManager[Executo
     from palpate.author.cluster import cluster_executor
 
     return cluster_executor(address, progress.say)
+
+
+def _worker_count(mesh: OrganMesh, jobs: list[PressJob], asked: int | None) -> tuple[int, str]:
+    peak = press_memory(len(mesh.tets), {job.fidelity for job in jobs})
+    return worker_count(peak, available_memory(), core_count(), asked)
 
 
 def _pressed(

@@ -4,20 +4,21 @@
 
 from __future__ import annotations
 
-import os
 from typing import Any
 
 from rich.table import Table
 
 from palpate.author.console import Answer, table_of
-from palpate.author.effort import PRESS_SECONDS, node_count
+from palpate.author.effort import PRESS_SECONDS, node_count, press_memory, worker_count
 from palpate.author.material_range import refuse_unstable_materials
+from palpate.author.memory import available_memory
 from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts, rough_summary
+from palpate.author.press_executor import core_count
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import EFFECTS, Tool
 
-__all__ = ["plan", "planned_mesh_size"]
+__all__ = ["fidelities_of", "plan", "planned_mesh_size"]
 
 _STORED = {
     "response": "stored energy, normal force and lateral gradient over depth at each node",
@@ -33,8 +34,15 @@ def planned_mesh_size(scene: Scene, organ: OrganSummary) -> float:
     return scene.organ.mesh_size or MESH_SIZE_SHARE * float((organ.size**2).sum() ** 0.5)
 
 
-def plan(scene: Scene) -> Answer:
-    """The plan of `scene`.  Raises InputError when the scene does not fit its organ."""
+def plan(scene: Scene, workers: int | None = None) -> Answer:
+    """The plan of `scene`.
+
+    Args:
+        workers: processes that press; one for each core when absent.  Fewer where memory does not hold them.
+
+    Raises:
+        InputError: the scene does not fit its organ.
+    """
     parts = organ_parts(scene)
     organ, taken_from = rough_summary(parts)
     check_against_organ(scene, organ)
@@ -44,7 +52,11 @@ def plan(scene: Scene) -> Answer:
     mesh_size = planned_mesh_size(scene, organ)
     tools = [_tool(scene, tool, reach_area) for tool in scene.tool]
     cpu_seconds = sum(tool["cpu_seconds"] for tool in tools)
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    # a regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2)
+    tets = round(organ.volume * 6.0 * 2.0**0.5 / mesh_size**3)
+    cores = core_count()
+    peak, available = press_memory(tets, fidelities_of(scene)), available_memory()
+    count, limited = worker_count(peak, available, cores, workers)
     result: dict[str, Any] = {
         "scene": scene.name,
         "mesh": {
@@ -56,8 +68,7 @@ def plan(scene: Scene) -> Answer:
             "volume": organ.volume,
             "taken_from": taken_from,
             "mesh_size": mesh_size,
-            # a regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2)
-            "tets": round(organ.volume * 6.0 * 2.0**0.5 / mesh_size**3),
+            "tets": tets,
             "supports": len(scene.organ.support),
             "regions": [region.name for region in scene.organ.region],
             "capsule": scene.organ.capsule.model_dump(exclude_none=True) if scene.organ.capsule else None,
@@ -72,9 +83,21 @@ def plan(scene: Scene) -> Answer:
         "not_modelled": [effect for effect in EFFECTS if effect not in scene.effects],
         "cpu_seconds": cpu_seconds,
         "cores": cores,
-        "seconds": cpu_seconds / cores,
+        "workers": count,
+        "seconds": cpu_seconds / min(count, cores),
+        "memory": {
+            "worker": peak,
+            "workers": count * peak,
+            "available": available,
+            "limited": limited,
+        },
     }
     return Answer(result, [_summary(result), _tool_table(tools)])
+
+
+def fidelities_of(scene: Scene) -> set[str]:
+    """What is pressed; held-out presses are full, whatever builds the field."""
+    return {scene.accuracy.fidelity} | ({"full"} if scene.accuracy.held_out else set())
 
 
 def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
@@ -89,7 +112,6 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
         "nodes": nodes,
         "held_out": scene.accuracy.held_out,
         "presses": presses,
-        # held-out presses are full, whatever builds the field
         "cpu_seconds": nodes * PRESS_SECONDS[scene.accuracy.fidelity]
         + scene.accuracy.held_out * PRESS_SECONDS["full"],
     }
@@ -101,6 +123,12 @@ def _summary(result: dict[str, Any]) -> str:
     tets = f"about {mesh['tets']} tetrahedra of {1e3 * mesh['mesh_size']:.1f} mm"
     cpu, wall = _minutes(result["cpu_seconds"]), _minutes(result["seconds"])
     tolerance = f"{100 * result['force_tolerance']:.1f} % of force"
+    memory = result["memory"]
+    free = (
+        "free memory unknown"
+        if memory["available"] is None
+        else f"{memory['available'] / 1e9:.1f} GB are free"
+    )
     lines = [
         f"scene     {result['scene']}",
         f"surface   {mesh['parts']} part(s), {size} mm, {1e6 * mesh['volume']:.0f} ml",
@@ -118,7 +146,9 @@ def _summary(result: dict[str, Any]) -> str:
         f"reach     {1e4 * reach['area']:.1f} cm2, {100 * reach['share']:.0f} % of the surface",
         *(f"stored    {what}" for what in result["stored"].values()),
         f"left out  {', '.join(result['not_modelled']) or 'nothing'}",
-        f"effort    {cpu} of CPU, {wall} on {result['cores']} core(s), {result['fidelity']}, for {tolerance}",
+        f"effort    {cpu} of CPU, {wall} with {result['workers']} worker(s), {result['fidelity']}, for {tolerance}",
+        f"memory    about {memory['worker'] / 1e9:.1f} GB a worker, {memory['workers'] / 1e9:.1f} GB in all; {free}",
+        *([f"          {memory['limited']}"] if memory["limited"] else []),
     ]
     return "\n".join(lines)
 

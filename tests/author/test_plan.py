@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
+import palpate.author.plan as plan_module
 from palpate.author.effort import NODES_AT_LEAST, PRESS_SECONDS, node_count
 from palpate.author.errors import InputError
 from palpate.author.plan import plan
@@ -26,6 +27,20 @@ def test_a_plan_measures_the_organ_and_names_what_is_left_out(write_scene: Calla
     assert tool["presses"] == tool["nodes"] + 5
     assert result["cpu_seconds"] == tool["presses"] * PRESS_SECONDS["full"]
     assert tool["friction"] is None
+
+
+def test_a_plan_states_memory_and_takes_no_more_workers_than_it_holds(
+    write_scene: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = load_scene(write_scene())
+    result = plan(scene, workers=3).result
+    memory = result["memory"]
+    assert result["workers"] == 3 and memory["workers"] == 3 * memory["worker"] > 3 * 10**8
+    monkeypatch.setattr(plan_module, "available_memory", lambda: int(2.5 * memory["worker"]))
+    answer = plan(scene, workers=3)
+    assert answer.result["workers"] == 2
+    assert "2 press instead" in answer.result["memory"]["limited"]
+    assert answer.result["memory"]["limited"] in answer.shown[0]
 
 
 def test_a_smaller_reach_takes_fewer_presses(write_scene: Callable[..., Path]) -> None:

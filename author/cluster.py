@@ -11,6 +11,7 @@ may join later.
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
 import time
@@ -48,12 +49,15 @@ def cluster_executor(
     Raises:
         InputError: Dask is not installed, no scheduler or no worker there, or a worker that does not fit.
     """
-    client = _connected(address)
-    executor = None
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [logger.level for logger in loggers]
+    client = executor = None
     try:
+        client = _connected(address)
+        for logger in loggers:  # what goes wrong is told in sentences, not in tracebacks
+            logger.setLevel(logging.CRITICAL)
         about = client.run(eval, ABOUT, on_error="return")
-        threads = {at: worker["nthreads"] for at, worker in client.scheduler_info(-1)["workers"].items()}
-        problems = refusals(about, threads)
+        problems = refusals(about, client.nthreads())
         if problems:
             raise InputError(_problem(address, "; ".join(problems), _right()))
         slow = [at for at, told in about.items() if told["blas_threads"] != "1"]
@@ -64,8 +68,11 @@ def cluster_executor(
     finally:
         if executor is not None:
             executor.shutdown(wait=False)
-        with suppress(Exception):  # a scheduler that is gone cannot be told goodbye
-            client.close(timeout=2.0)
+        if client is not None:
+            with suppress(Exception):  # a scheduler that is gone cannot be told goodbye
+                client.close(timeout=2.0)
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def refusals(about: dict[str, Any], threads: dict[str, int]) -> list[str]:
@@ -103,10 +110,15 @@ def about_this_process() -> dict[str, str]:
 
 
 class ClusterPresses(Executor):
-    """Presses on a Dask client's workers; `submit` takes what `run_jobs` gives."""
+    """Presses on a Dask client's workers; `submit` takes what `run_jobs` gives.
+
+    Attributes:
+        workers: how many there were a second ago.
+    """
 
     def __init__(self, client: Any, address: str) -> None:
         self._client, self._address = client, address
+        self.workers = len(client.nthreads())
         self._dask = client.get_executor(pure=False)
         self._organs: dict[str, Any] = {}
         self._waiting: set[Future[Result]] = set()
@@ -114,16 +126,9 @@ class ClusterPresses(Executor):
         self._closed = threading.Event()
         threading.Thread(target=self._watch, daemon=True).start()
 
-    @property
-    def workers(self) -> int:
-        """Workers at this moment."""
-        return len(self._client.scheduler_info(-1)["workers"])
-
     def submit(self, solver: Solver, mesh: OrganMesh, job: PressJob, folder: str) -> Future[Result]:  # type: ignore[override]
         """One press; `folder`, the caller's, is no concern of a worker."""
-        if mesh.hash not in self._organs:
-            self._organs[mesh.hash] = self._client.submit(_given, mesh, key=f"organ-{mesh.hash}")
-        inner = self._dask.submit(press_on_worker, solver, self._organs[mesh.hash], job, mechanics_version())
+        inner = self._dask.submit(press_on_worker, solver, self._sent(mesh), job, mechanics_version())
         outer: Future[Result] = Future()
         outer.set_running_or_notify_cancel()
         with self._lock:
@@ -137,11 +142,28 @@ class ClusterPresses(Executor):
         with suppress(Exception):
             self._dask.shutdown(wait=wait)
 
+    def _sent(self, mesh: OrganMesh) -> Any:
+        """The organ as a Dask future, on every worker at once: otherwise presses would gather where it is."""
+        from distributed import wait
+
+        if mesh.hash not in self._organs:
+            organ = self._client.submit(_given, mesh, key=f"organ-{mesh.hash}")
+            with suppress(
+                Exception
+            ):  # a worker that is lost meanwhile; the others get it with their first press
+                wait([organ], timeout=CONNECT)
+                self._client.replicate([organ])
+            self._organs[mesh.hash] = organ
+        return self._organs[mesh.hash]
+
     def _arrived(self, inner: Future[Result], outer: Future[Result], job: PressJob) -> None:
         try:
             result, failure = inner.result(), None
         except CancelledError:
-            result, failure = None, PalpateError(f"the cluster at {self._address} let presses go; {KEPT}")
+            result, failure = (
+                None,
+                PalpateError(f"the scheduler at {self._address} is gone, or cancelled presses; {KEPT}"),
+            )
         except Exception as error:
             result, failure = None, self._explained(error, job)
         self._end(outer, result, failure)
@@ -171,13 +193,20 @@ class ClusterPresses(Executor):
         """Ends the wait for a cluster that is gone."""
         alive = time.monotonic()
         while not self._closed.wait(1.0):
-            with suppress(Exception):
-                if self._client.status == "running" and self.workers:
-                    alive = time.monotonic()
+            self.workers = self._count()
+            if self.workers:
+                alive = time.monotonic()
             if time.monotonic() - alive > PATIENCE:
                 sentence = f"the cluster at {self._address} has had no worker for {PATIENCE:.0f} s; {KEPT}"
                 for outer in list(self._waiting):
                     self._end(outer, None, PalpateError(sentence))
+
+    def _count(self) -> int:
+        """Workers; 0 where the scheduler does not say."""
+        if self._client.status == "running":
+            with suppress(Exception):  # Dask has many ways of saying that nobody is there
+                return len(self._client.nthreads())
+        return 0
 
 
 def press_on_worker(solver: Solver, mesh: OrganMesh, job: PressJob, mechanics: str) -> Result:

@@ -18,14 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.effort import node_count, press_memory, worker_count
+from palpate.author.effort import node_count
 from palpate.author.errors import InputError
 from palpate.author.field_stage import contact_geometry_of, field_of
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
-from palpate.author.memory import available_memory
 from palpate.author.organ_stage import OrganMesh, mesh_organ
-from palpate.author.press_executor import core_count, press_executor
+from palpate.author.press_executor import fitting_workers, press_executor
 from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
 from palpate.author.press_rate import PressRate
 from palpate.author.progress import Progress, SilentProgress
@@ -94,7 +93,7 @@ def author(
         jobs = [job for work in tools for job in work.jobs]
         stages.begin("presses", len(jobs))
         if executor is None:
-            count, limited = _worker_count(mesh, jobs, workers)
+            count, limited = fitting_workers(len(mesh.tets), {job.fidelity for job in jobs}, workers)
             if limited:
                 progress.say(limited)
             executor = stack.enter_context(press_executor(count, progress.say))
@@ -157,11 +156,6 @@ def _cluster(address: str, progress: Progress) -> AbstractContextManager[Executo
     from palpate.author.cluster import cluster_executor
 
     return cluster_executor(address, progress.say)
-
-
-def _worker_count(mesh: OrganMesh, jobs: list[PressJob], asked: int | None) -> tuple[int, str]:
-    peak = press_memory(len(mesh.tets), {job.fidelity for job in jobs})
-    return worker_count(peak, available_memory(), core_count(), asked)
 
 
 def _pressed(

@@ -14,15 +14,17 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
+from palpate.author.effort import press_memory, worker_count
 from palpate.author.errors import PalpateError
+from palpate.author.memory import available_memory
 
-__all__ = ["PressProcesses", "core_count", "press_executor"]
+__all__ = ["PressProcesses", "core_count", "fitting_workers", "press_executor"]
 
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 """What BLAS libraries read when they are loaded."""
@@ -33,6 +35,15 @@ PATIENCE = 1.0
 def core_count() -> int:
     """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def fitting_workers(tets: int, fidelities: Iterable[str], asked: int | None = None) -> tuple[int, str]:
+    """Workers for an organ of `tets` tetrahedra: as many as asked for, one a core when absent, and as fit in memory.
+
+    Returns:
+        how many, and a sentence where that is fewer than wanted.
+    """
+    return worker_count(press_memory(tets, fidelities), available_memory(), core_count(), asked)
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from palpate.author.errors import InputError, InputProblem
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.pipeline import TRUTH, ladder
-from palpate.author.press_executor import press_executor
+from palpate.author.press_executor import fitting_workers, press_executor
 from palpate.author.press_jobs import run_jobs
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import held_out_points, reach_samples
@@ -88,7 +88,10 @@ def validate(
         work = folder / "work"
         store = Store(work if work.is_dir() else Path(scratch))
         progress.stage("presses", len(jobs))
-        with press_executor() as executor:
+        count, limited = fitting_workers(len(mesh.tets), {TRUTH})
+        if limited:
+            progress.say(limited)
+        with press_executor(count, progress.say) as executor:
             outcomes = run_jobs(mesh, jobs, store, executor, lambda outcome: progress.advance())
     tolerance = float(scene["accuracy"]["force_tolerance"])
     judged = judgement(Field.open(cook(field)), field.tool.offset, outcomes, [], tolerance)

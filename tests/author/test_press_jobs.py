@@ -38,11 +38,11 @@ from palpate.author.store import Store
 def told(outcome):
     print("kept", outcome.key[:32], outcome.values["pid"], flush=True)
 
-def author(scene, out, progress=None, workers=None):
+def author(scene, out, workers, **options):
     with press_executor(workers) as executor:
         run_jobs(AnyOrgan(), jobs(20, 0.25), Store(Path(out) / "work"), executor, told, quick)
 """
-ALONE = RUN + "author(None, sys.argv[1], workers=2)\n"
+ALONE = RUN + "author(None, sys.argv[1], 2)\n"
 AS_COMMAND = (
     RUN
     + """

@@ -12,6 +12,7 @@ from __future__ import annotations
 import atexit
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -148,10 +149,13 @@ def run_jobs(
                 i = waiting.pop(future)
                 finish(i, keys[i], _result(future), fresh=True)
                 done(outcomes[i])  # type: ignore[arg-type]
-    except KeyboardInterrupt:
-        for future, i in waiting.items():
-            if future.done() and not future.cancelled() and future.exception() is None:
-                finish(i, keys[i], future.result(), fresh=True)
+    except BaseException as error:
+        with suppress(PalpateError):  # the disk may be what is wrong
+            for future, i in waiting.items():
+                if future.done() and not future.cancelled() and future.exception() is None:
+                    finish(i, keys[i], future.result(), fresh=True)
+        if not isinstance(error, KeyboardInterrupt):
+            raise
         kept_count = sum(outcome is not None for outcome in outcomes)
         raise Interrupted(f"Interrupted: {kept_count} of {len(jobs)} presses are kept.") from None
     return [outcome for outcome in outcomes if outcome is not None]

@@ -116,7 +116,12 @@ def test_a_cluster_finds_what_this_machine_finds_though_a_worker_is_killed(
     asked = [PressJob((x, 1e-3, 0.02), BALL, (8e-4,), "near_field", refinement=0.2) for x in (0.0, 2e-3)]
     with press_executor(2) as executor:
         here = run_jobs(organ, asked, Store(tmp_path / "here"), executor)
-    assert all(outcome.converged for outcome in here)
+    for outcome in here:
+        assert outcome.converged
+        stages = outcome.values["stages"]
+        assert set(stages) == {"organ", "patch", "far_field", "ladder"} and min(stages.values()) >= 0.0
+        assert sum(stages.values()) == pytest.approx(outcome.values["cpu_seconds"], rel=0.2)
+        assert 1e8 < outcome.values["peak_memory"] < 4e9
 
     store, told, lost = Store(tmp_path / "there"), [], []
     with worker(address, tmp_path), worker(address, tmp_path) as victim:

@@ -25,15 +25,14 @@ from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob, Solver
 from palpate.author.store import Result
+from palpate.author.worker_fit import ABOUT, other_mechanics, refusals, right_workers
 
-__all__ = ["ClusterPresses", "cluster_executor", "refusals"]
+__all__ = ["ClusterPresses", "cluster_executor"]
 
 CONNECT = 10.0
 """s to reach the scheduler and to see its first worker."""
 PATIENCE = 60.0
 """s without scheduler or workers until the run is given up; workers that are started anew need some."""
-ABOUT = "__import__('palpate.author.cluster').author.cluster.about_this_process()"
-"""Evaluated in workers: a text, so that one without palpate can say so."""
 KEPT = "what was finished before is still there, and the same command goes on from it"
 
 
@@ -59,7 +58,7 @@ def cluster_executor(
         about = client.run(eval, ABOUT, on_error="return")
         problems = refusals(about, client.nthreads())
         if problems:
-            raise InputError(_problem(address, "; ".join(problems), _right()))
+            raise InputError(_problem(address, "; ".join(problems), right_workers()))
         slow = [at for at, told in about.items() if told["blas_threads"] != "1"]
         if slow:
             tell(f"{', '.join(slow)}: faster with OMP_NUM_THREADS=1, one core each")
@@ -73,40 +72,6 @@ def cluster_executor(
                 client.close(timeout=2.0)
         for logger, level in zip(loggers, levels, strict=True):
             logger.setLevel(level)
-
-
-def refusals(about: dict[str, Any], threads: dict[str, int]) -> list[str]:
-    """Why workers cannot press for this process: a clause for each that cannot.
-
-    Args:
-        about: worker's address -> `about_this_process` there, or the exception that it raised.
-        threads: worker's address -> presses that it would run at once.
-    """
-    here = about_this_process()
-    found = []
-    for at, told in sorted(about.items()):
-        if isinstance(told, ImportError):
-            found.append(f"worker {at} has no palpate ({told})")
-        elif isinstance(told, BaseException):
-            found.append(f"worker {at} cannot load palpate ({type(told).__name__}: {told})")
-        elif told["palpate"] != here["palpate"]:
-            found.append(f"worker {at} has palpate {told['palpate']}, not {here['palpate']}")
-        elif told["mechanics"] != here["mechanics"]:
-            found.append(_other_mechanics(at, told["mechanics"], here["mechanics"]))
-        elif threads.get(at, 1) != 1:
-            found.append(f"worker {at} runs {threads[at]} threads, and presses need a process each")
-    return found
-
-
-def about_this_process() -> dict[str, str]:
-    """What decides whether presses of two processes are the same."""
-    from importlib.metadata import version
-
-    return {
-        "palpate": version("palpate"),
-        "mechanics": mechanics_version(),
-        "blas_threads": os.environ.get("OMP_NUM_THREADS", "all"),
-    }
 
 
 class ClusterPresses(Executor):
@@ -217,24 +182,15 @@ def press_on_worker(solver: Solver, mesh: OrganMesh, job: PressJob, mechanics: s
 
     worker = get_worker()
     if mechanics_version() != mechanics:
-        raise PalpateError(f"{_other_mechanics(worker.address, mechanics_version(), mechanics)}; {_right()}")
+        raise PalpateError(
+            f"{other_mechanics(worker.address, mechanics_version(), mechanics)}; {right_workers()}"
+        )
     claim_kernel_cache()
     return solver(mesh, job, os.path.join(worker.local_directory, "palpate"))
 
 
 def _given(mesh: OrganMesh) -> OrganMesh:
     return mesh
-
-
-def _other_mechanics(at: str, theirs: str, ours: str) -> str:
-    return f"worker {at} has other mechanics ({theirs[:8]}, not {ours[:8]}) and would find other forces"
-
-
-def _right() -> str:
-    return (
-        "one and the same palpate on this machine, the scheduler and each worker, "
-        "started with: dask worker ADDRESS --nthreads 1 --nworkers CORES"
-    )
 
 
 def _problem(address: str, what: str, expected: str) -> InputProblem:
@@ -258,6 +214,6 @@ def _connected(address: str) -> Any:
     except TimeoutError as error:
         client.close()
         raise InputError(
-            _problem(address, "the scheduler has no worker", f"at least one: {_right()}")
+            _problem(address, "the scheduler has no worker", f"at least one: {right_workers()}")
         ) from error
     return client

@@ -22,7 +22,7 @@ import trimesh
 from stand_in_solvers import BALL, AnyOrgan, jobs, quick
 
 from palpate.author import cluster
-from palpate.author.cluster import about_this_process, cluster_executor, refusals
+from palpate.author.cluster import cluster_executor
 from palpate.author.command_line import main
 from palpate.author.errors import InputError, PalpateError
 from palpate.author.organ_stage import OrganMesh, mesh_organ
@@ -30,6 +30,7 @@ from palpate.author.press_executor import press_executor
 from palpate.author.press_jobs import PressJob, run_jobs
 from palpate.author.scene import load_scene
 from palpate.author.store import Store
+from palpate.author.worker_fit import about_this_process, refusals
 
 QUIET = {
     **os.environ,

@@ -202,7 +202,9 @@ def _connected(address: str) -> Any:
         from distributed import Client
     except ImportError as error:
         what = "distributed, Dask's cluster part, is not installed here"
-        raise InputError(_problem(address, what, 'pip install "palpate[cluster]"')) from error
+        raise InputError(
+            _problem(address, what, "palpate's extra named cluster: pip install distributed")
+        ) from error
     where = "the address that dask scheduler prints, such as tcp://10.0.0.5:8786"
     try:
         client = Client(address, timeout=CONNECT, set_as_default=False)

@@ -224,5 +224,5 @@ def test_no_scheduler_there_is_told_in_a_sentence(
 
 def test_without_dask_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"palpate\[cluster\]"), cluster_executor("tcp://127.0.0.1:9"):
+    with pytest.raises(InputError, match=r"pip install distributed"), cluster_executor("tcp://127.0.0.1:9"):
         pass

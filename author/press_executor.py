@@ -24,7 +24,15 @@ from palpate.author.effort import press_memory, worker_count
 from palpate.author.errors import PalpateError
 from palpate.author.memory import available_memory
 
-__all__ = ["PressProcesses", "core_count", "fitting_workers", "press_executor"]
+__all__ = [
+    "PressProcesses",
+    "core_count",
+    "fitting_workers",
+    "interrupts_held",
+    "one_blas_thread",
+    "press_executor",
+    "start_worker",
+]
 
 THREADS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS")
 """What BLAS libraries read when they are loaded."""
@@ -56,16 +64,24 @@ def press_executor(
         workers: one for each core when absent.
         tell: gets a sentence when workers had to be given up.
     """
+    with one_blas_thread():
+        executor = PressProcesses(workers or core_count(), tell)
+        try:
+            yield executor
+        except BaseException:
+            executor.stop()
+            raise
+        else:
+            executor.shutdown()
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Processes that are started meanwhile use one thread in BLAS libraries."""
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ.update(dict.fromkeys(THREADS, "1"))
-    executor = PressProcesses(workers or core_count(), tell)
     try:
-        yield executor
-    except BaseException:
-        executor.stop()
-        raise
-    else:
-        executor.shutdown()
+        yield
     finally:
         for name, value in before.items():
             if value is None:
@@ -116,7 +132,7 @@ class PressProcesses(Executor):
         fn, args, kwargs = work
         pool = self._pool
         try:
-            with _interrupts_held():
+            with interrupts_held():
                 inner = pool.submit(fn, *args, **kwargs)
         except BrokenExecutor as error:
             self._died(pool, outer, work, error)
@@ -157,12 +173,12 @@ class PressProcesses(Executor):
     def _new_pool(self) -> ProcessPoolExecutor:
         context = multiprocessing.get_context("spawn")
         return ProcessPoolExecutor(
-            self.workers, mp_context=context, initializer=_start_worker, initargs=(os.getpid(),)
+            self.workers, mp_context=context, initializer=start_worker, initargs=(os.getpid(),)
         )
 
 
 @contextmanager
-def _interrupts_held() -> Iterator[None]:
+def interrupts_held() -> Iterator[None]:
     """Processes that are started here never see Ctrl-C, which a terminal sends to all: their parent ends them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -175,7 +191,8 @@ def _interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _start_worker(parent: int) -> None:
+def start_worker(parent: int) -> None:
+    """What a process does before its first press."""
     from palpate.author.kernel_cache import claim_kernel_cache
     from palpate.author.press_solve import forget_organ
 

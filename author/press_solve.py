@@ -8,6 +8,7 @@ kept is made again another time, and the press goes on.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -34,6 +35,8 @@ LATERAL_STEPS = 4
 
 _LAST: dict[str, Any] = {}
 """The organ that this process works on: unpacking and its stiffness pattern cost seconds."""
+_LAST_LOCK = threading.Lock()
+"""Presses of one process may run in threads (batch_executor.py)."""
 
 
 def forget_organ() -> None:
@@ -115,10 +118,11 @@ def solve(
 
 
 def _organ(mesh: OrganMesh):
-    if _LAST.get("hash") != mesh.hash:
-        _LAST.clear()
-        _LAST.update(hash=mesh.hash, organ=mesh.organ)
-    return _LAST["organ"]
+    with _LAST_LOCK:
+        if _LAST.get("hash") != mesh.hash:
+            _LAST.clear()
+            _LAST.update(hash=mesh.hash, organ=mesh.organ)
+        return _LAST["organ"]
 
 
 class _StageClock:

@@ -24,7 +24,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any, TypeVar
 
-from palpate.fem_offline.warp_session import start_warp
+from palpate.fem_offline.warp_session import devices
 
 __all__ = ["Batch", "current_device", "together"]
 
@@ -64,12 +64,9 @@ class Batch:
     """
 
     def __init__(self, device: str = "cpu", gather: float = 0.0) -> None:
-        start_warp()
-        import warp as wp
-
-        if not wp.is_device_available(device):
-            known = ", ".join(str(known) for known in wp.get_devices())
-            raise ValueError(f"this machine has no device {device!r}; it has {known}")
+        known = devices()
+        if device not in known and not (device == "cuda" and len(known) > 1):
+            raise ValueError(f"this machine has no device {device!r}; it has {', '.join(known)}")
         self.device, self.gather = device, gather
         self.launches, self.requests, self.busy = 0, 0, 0.0
         self._changed = threading.Condition()

@@ -12,7 +12,7 @@ import os
 
 import warp as wp
 
-__all__ = ["start_warp"]
+__all__ = ["devices", "start_warp"]
 
 _started = False
 
@@ -31,3 +31,9 @@ def start_warp() -> None:
         wp.config.quiet = True
     wp.init()
     _started = True
+
+
+def devices() -> tuple[str, ...]:
+    """Names of this machine's devices; "cpu" is the first."""
+    start_warp()
+    return tuple(str(device) for device in wp.get_devices())

@@ -43,7 +43,7 @@ from palpate.fem_offline.side_by_side import Resident, SideBySide
 from palpate.fem_offline.tensor4 import mat9x9
 from palpate.fem_offline.warp_session import start_warp
 
-__all__ = ["ElementState", "ElementSystem", "HessianPattern", "hessian_pattern"]
+__all__ = ["ElementState", "ElementSystem", "HessianPattern", "hessian_pattern", "states"]
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 1})
 
@@ -355,10 +355,10 @@ class ElementSystem(Resident):
 
     def state(self, u: np.ndarray) -> ElementState:
         """Energy and nodal forces at the displacement u (N, 3) m."""
-        return together(_states, (self, u))
+        return together(states, (self, u))
 
 
-def _states(asked: Sequence[tuple[ElementSystem, np.ndarray]]) -> list[ElementState]:
+def states(asked: Sequence[tuple[ElementSystem, np.ndarray]]) -> list[ElementState]:
     """Of systems on one device, each at its displacement (N, 3) m, in one launch."""
     found = []
     for energy, jacobian, force in SideBySide.of(*zip(*asked, strict=True)).apart(energy_and_force):

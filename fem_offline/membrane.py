@@ -335,10 +335,10 @@ class Membrane(Resident):
 
     def state(self, u: np.ndarray) -> MembraneState:
         """Energy, nodal forces and thickness at the displacement u (N, 3) m."""
-        return together(_states, (self, u))
+        return together(states, (self, u))
 
 
-def _states(asked: Sequence[tuple[Membrane, np.ndarray]]) -> list[MembraneState]:
+def states(asked: Sequence[tuple[Membrane, np.ndarray]]) -> list[MembraneState]:
     """Of membranes on one device, each at its displacement (N, 3) m, in one launch."""
     found = []
     for energy, thickness, force in SideBySide.of(*zip(*asked, strict=True)).apart(energy_and_force, 3):

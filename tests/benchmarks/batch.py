@@ -11,6 +11,7 @@ and Pardiso to be worth a look.  Nothing is asserted.  The first launch compiles
 from __future__ import annotations
 
 import argparse
+import importlib
 import importlib.util
 import itertools
 import os
@@ -29,7 +30,9 @@ for _name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
 
 import numpy as np  # noqa: E402
 
-if importlib.util.find_spec("palpate") is None:  # a checkout's folders are the package's
+try:
+    importlib.import_module("palpate.fem_offline")
+except ModuleNotFoundError:  # a checkout's folders are the package's
     package = types.ModuleType("palpate")
     package.__path__ = [str(Path(__file__).resolve().parents[2])]
     sys.modules["palpate"] = package

@@ -25,7 +25,7 @@ from typing import Any
 from palpate.author.errors import InputError, InputProblem, PalpateError
 from palpate.author.press_executor import core_count, interrupts_held, one_blas_thread, start_worker
 
-__all__ = ["BatchProcesses", "batch_executor", "device_named", "threads_by_process"]
+__all__ = ["PRESSES_A_CORE", "BatchProcesses", "batch_executor", "device_named", "threads_by_process"]
 
 CORES_A_PROCESS = 4
 """Cores that the threads of one process are expected to fill."""
@@ -56,14 +56,13 @@ def device_named(text: str) -> str:
     raise InputError(InputProblem("", "--device", text, what, expected))
 
 
-def threads_by_process(presses: int | None = None, processes: int | None = None) -> tuple[int, ...]:
+def threads_by_process(presses: int, processes: int | None = None) -> tuple[int, ...]:
     """Threads of each process.
 
     Args:
-        presses: at once, in all; two for each core when absent.
+        presses: at once, in all.
         processes: one for every four cores when absent; no more than presses.
     """
-    presses = presses or PRESSES_A_CORE * core_count()
     processes = min(presses, processes or math.ceil(core_count() / CORES_A_PROCESS))
     return tuple(presses // processes + (k < presses % processes) for k in range(processes))
 

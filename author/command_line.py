@@ -66,6 +66,15 @@ Workers = Annotated[
     ),
 ]
 
+Device = Annotated[
+    str,
+    typer.Option(
+        "--device",
+        metavar="NAME",
+        help="cpu, cuda or cuda:N: elements of many presses in common launches there",
+    ),
+]
+
 
 @app.command()
 def plan(scene: SceneFile, workers: Workers = None, as_json: Json = False) -> None:
@@ -87,6 +96,13 @@ def author(
     scheduler: Annotated[
         str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="press on a Dask cluster instead")
     ] = "",
+    device: Device = "",
+    batch: Annotated[
+        int | None,
+        typer.Option(
+            "--batch", min=1, metavar="N", help="with --device: presses at once; two a core when absent"
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Make the asset: repair, tetrahedralise, press, fit, write, cook, validate, report."""
@@ -97,11 +113,25 @@ def author(
         if scheduler and workers:
             what, expected = "is for this machine's processes", "either --workers or --scheduler"
             raise InputError(InputProblem("", "--workers", workers, what, expected))
+        if scheduler and device:
+            what, expected = "is for this machine's processes", "either --device or --scheduler"
+            raise InputError(InputProblem("", "--device", device, what, expected))
+        if batch and not device:
+            what, expected = "says nothing without a device", "--device cuda, or cpu, beside it"
+            raise InputError(InputProblem("", "--batch", batch, what, expected))
         ready = ready_scene(scene)
         from palpate.author.pipeline import author as authored
 
         with ConsoleProgress() as progress:
-            result = authored(ready, out, progress=progress, workers=workers, scheduler=scheduler)
+            result = authored(
+                ready,
+                out,
+                progress=progress,
+                workers=workers,
+                scheduler=scheduler,
+                device=device,
+                batch=batch,
+            )
         return Answer(result, [_error_lines(result)], 0 if result["tolerance_met"] else 1)
 
     _end(work, as_json)
@@ -122,6 +152,7 @@ def press(
     plot: Annotated[Path | None, typer.Option("--plot", metavar="FILE.png", help="curves")] = None,
     vtu: Annotated[Path | None, typer.Option("--vtu", metavar="FILE.vtu", help="deformed tetrahedra")] = None,
     usd: Annotated[Path | None, typer.Option("--usd", metavar="FILE.usda", help="deformed surface")] = None,
+    device: Device = "",
     as_json: Json = False,
 ) -> None:
     """Press the tool into the organ once, by finite elements."""
@@ -151,6 +182,7 @@ def press(
                 progress=progress,
                 drag=drag,
                 files=files,
+                device=device,
             )
         done = result["converged"] and (not drag or result["drag"]["converged"])
         return Answer(result, [press_lines(result)], 0 if done else 1)

@@ -18,13 +18,19 @@ from typing import Any
 
 import numpy as np
 
+from palpate.author.batch_executor import (
+    PRESSES_A_CORE,
+    batch_executor,
+    device_named,
+    threads_by_process,
+)
 from palpate.author.effort import node_count
 from palpate.author.errors import InputError
 from palpate.author.field_stage import contact_geometry_of, field_of
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_stage import OrganMesh, mesh_organ
-from palpate.author.press_executor import fitting_workers, press_executor
+from palpate.author.press_executor import core_count, fitting_workers, press_executor
 from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
 from palpate.author.press_rate import PressRate
 from palpate.author.progress import Progress, SilentProgress
@@ -61,18 +67,22 @@ def author(
     progress: Progress | None = None,
     workers: int | None = None,
     scheduler: str = "",
+    device: str = "",
+    batch: int | None = None,
 ) -> dict[str, Any]:
     """Make the asset of a scene in the folder `out`.
 
     Args:
         workers: processes that press; one for each core when absent.  Fewer where memory does not hold them.
         scheduler: address of a Dask scheduler, whose workers press instead.
+        device: evaluates the elements of many presses together; `workers` is then one for each four cores when absent.
+        batch: presses at once with a device; two for each core when absent.  Fewer where memory does not hold them.
 
     Returns:
         What `palpate author --json` prints.
 
     Raises:
-        InputError: the scene does not fit its organ.
+        InputError: the scene does not fit its organ, or there is no such device.
         Interrupted: by Ctrl-C while pressing; says how many presses are kept.
     """
     begun = time.perf_counter()
@@ -81,6 +91,8 @@ def author(
     store = Store(out / "work")
     store.sweep()
     stages = _Stages(progress)
+    if device:
+        device_named(device)
 
     with ExitStack() as stack:
         executor: Executor | None = None
@@ -93,10 +105,7 @@ def author(
         jobs = [job for work in tools for job in work.jobs]
         stages.begin("presses", len(jobs))
         if executor is None:
-            count, limited = fitting_workers(len(mesh.tets), {job.fidelity for job in jobs}, workers)
-            if limited:
-                progress.say(limited)
-            executor = stack.enter_context(press_executor(count, progress.say))
+            executor = stack.enter_context(_here(mesh, jobs, progress, workers, device, batch))
         pressed = _pressed(mesh, jobs, store, executor, progress)
     outcomes = iter(pressed)
     for work in tools:
@@ -156,6 +165,24 @@ def _cluster(address: str, progress: Progress) -> AbstractContextManager[Executo
     from palpate.author.cluster import cluster_executor
 
     return cluster_executor(address, progress.say)
+
+
+def _here(
+    mesh: OrganMesh,
+    jobs: list[PressJob],
+    progress: Progress,
+    workers: int | None,
+    device: str,
+    batch: int | None,
+) -> AbstractContextManager[Executor]:
+    """This machine's processes, as many as memory holds."""
+    asked = (batch or PRESSES_A_CORE * core_count()) if device else workers
+    count, limited = fitting_workers(len(mesh.tets), {job.fidelity for job in jobs}, asked)
+    if limited:
+        progress.say(limited)
+    if device:
+        return batch_executor(device, threads_by_process(count, workers), progress.say)
+    return press_executor(count, progress.say)
 
 
 def _pressed(

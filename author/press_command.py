@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from palpate.author.batch_executor import device_named
 from palpate.author.console import plain
 from palpate.author.errors import InputError, InputProblem, PalpateError
 from palpate.author.organ_stage import OrganMesh, mesh_organ
@@ -75,6 +76,7 @@ def press(
     progress: Progress | None = None,
     drag: bool = False,
     files: PressFiles = PressFiles(),
+    device: str = "",
 ) -> dict[str, Any]:
     """Press `tool` at the surface point nearest to `at` (3 coordinates, m) down to `depth` (m).
 
@@ -82,17 +84,23 @@ def press(
         lateral: two lengths (m) along the surface's tangents; the contact then sticks and moves aside.
         drag: then drag the tool both ways at DRAG_SHARES of the depth, with its friction.
         files: what is written beside the answer.
+        device: evaluates the elements; this process itself when "".
 
     Returns:
         What `palpate press --json` prints.
 
     Raises:
-        InputError: the depth goes through the organ, or the place is far from it.
+        InputError: the depth goes through the organ, the place is far from it, or there is no such device.
         PalpateError: the press could not be set up.
     """
     progress = progress or SilentProgress()
     named = scene.tool_named(tool)
     with ExitStack() as stack:
+        if device:
+            from palpate.fem_offline.batch import Batch
+
+            batch = stack.enter_context(Batch(device_named(device)))
+            stack.enter_context(batch.member())
         folder = files.out / "work" if files.out else None
         if folder is None:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="palpate-press-")))

@@ -13,6 +13,7 @@ import pytest
 from stand_in_solvers import AnyOrgan, deadly, deadly_once, jobs, quick
 
 from palpate.author.batch_executor import batch_executor, device_named, threads_by_process
+from palpate.author.command_line import main
 from palpate.author.errors import InputError, PalpateError
 from palpate.author.organ_stage import mesh_organ
 from palpate.author.press_jobs import PressJob, run_jobs
@@ -99,10 +100,29 @@ def test_a_device_that_is_not_there_is_refused_in_a_sentence() -> None:
         executor.submit(os.getpid).result()
 
 
+def test_options_of_batches_that_cannot_be_meant_are_refused(
+    tmp_path: Path, write_scene, capsys: pytest.CaptureFixture[str]
+) -> None:
+    author = ["author", str(write_scene()), "--out", str(tmp_path / "out")]
+    press = ["press", author[1], "--at", "0,0,0.04", "--tool", "ball", "--depth", "1 mm"]
+    for arguments, sentence in (
+        ([*author, "--device", "cuda:99"], "--device = "),
+        ([*press, "--device", "cuda:99"], "is no device that this machine has"),
+        ([*author, "--batch", "3"], "--batch = 3 says nothing without a device"),
+        (
+            [*author, "--device", "cpu", "--scheduler", "tcp://nowhere:1"],
+            "either --device or --scheduler",
+        ),
+    ):
+        assert main(arguments) == 2
+        assert sentence in " ".join(capsys.readouterr().err.split())
+    assert not (tmp_path / "out" / "work" / "press").exists()
+
+
 def test_presses_are_spread_over_processes() -> None:
     assert threads_by_process(7, 3) == (3, 2, 2)
     assert threads_by_process(2, 5) == (1, 1)
-    assert sum(threads_by_process()) >= 2
+    assert sum(threads_by_process(9)) == 9
 
 
 def test_a_press_does_not_depend_on_who_presses_beside_it(tmp_path: Path, write_scene) -> None:

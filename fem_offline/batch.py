@@ -67,7 +67,10 @@ class Batch:
         known = devices()
         if device not in known and not (device == "cuda" and len(known) > 1):
             raise ValueError(f"this machine has no device {device!r}; it has {', '.join(known)}")
-        self.device, self.gather = device, gather
+        self.device = (
+            known[1] if device == "cuda" else device
+        )  # by name: every thread has a current GPU of its own
+        self.gather = gather
         self.launches, self.requests, self.busy = 0, 0, 0.0
         self._changed = threading.Condition()
         self._members = 0

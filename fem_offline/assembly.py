@@ -20,11 +20,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import warp as wp
-from scipy import sparse
 
 from palpate.fem_offline import constitutive as law
 from palpate.fem_offline import material_table as t
 from palpate.fem_offline.batch import current_device, together
+from palpate.fem_offline.hessian_pattern import HessianPattern
 from palpate.fem_offline.material_table import FULL_SHARE, Tabulated, material_table
 from palpate.fem_offline.mean_dilatation import (
     cofactor,
@@ -43,7 +43,7 @@ from palpate.fem_offline.side_by_side import Resident, SideBySide
 from palpate.fem_offline.tensor4 import mat9x9
 from palpate.fem_offline.warp_session import start_warp
 
-__all__ = ["ElementState", "ElementSystem", "HessianPattern", "hessian_pattern", "states"]
+__all__ = ["ElementState", "ElementSystem", "states"]
 
 wp.set_module_options({"enable_backward": False, "max_unroll": 1})
 
@@ -218,76 +218,6 @@ def hessian(
                     n = c - 3 * b
                     mean = kappa[0] * g[a, i] * g[b, n] + kappa[1] * h[a, i] * h[b, n]
                     wp.atomic_add(values, s.first_value + at, K[r, c] + mean)
-
-
-@dataclass(frozen=True)
-class HessianPattern:
-    """Upper triangle, in compressed rows, of a symmetric matrix over the free equations.
-
-    Attributes:
-        equation: (3 N,) int; equation of each displacement component, -1 where fixed.
-        equation_count: number of free equations.
-        row_start: (n + 1,) int; column: (nnz,) int; diagonal present in every row.
-        entry: (T, 900) int32; place of each element entry, -1 where fixed or below the diagonal.
-    """
-
-    equation: np.ndarray
-    equation_count: int
-    row_start: np.ndarray
-    column: np.ndarray
-    entry: np.ndarray
-
-    def places(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Places of entries (rows <= columns) in the value array; every entry must exist."""
-        key = rows.astype(np.int64) * self.equation_count + columns
-        at = np.searchsorted(self._keys, key)
-        if np.any(self._keys[np.minimum(at, len(self._keys) - 1)] != key):
-            raise KeyError("an entry lies outside the pattern")
-        return at
-
-    @property
-    def _keys(self) -> np.ndarray:
-        rows = np.repeat(np.arange(self.equation_count, dtype=np.int64), np.diff(self.row_start))
-        return rows * self.equation_count + self.column
-
-    def matrix(self, values: np.ndarray) -> sparse.csr_matrix:
-        """Upper triangle as a SciPy matrix that shares its arrays."""
-        shape = (self.equation_count, self.equation_count)
-        return sparse.csr_matrix((values, self.column, self.row_start), shape=shape)
-
-
-def hessian_pattern(
-    elements: np.ndarray, fixed: np.ndarray, dense_groups: list[np.ndarray]
-) -> HessianPattern:
-    """Pattern of the Hessian.
-
-    Args:
-        elements: (T, 10) node indices.
-        fixed: (3 N,) bool; displacement components that are held.
-        dense_groups: index arrays of displacement components that couple all with all (far field, contact faces).
-    """
-    equation = np.full(len(fixed), -1, np.int64)
-    count = int(np.count_nonzero(~fixed))
-    equation[~fixed] = np.arange(count)
-    dof = (3 * elements[:, :, None].astype(np.int64) + np.arange(3)).reshape(len(elements), 30)
-    eq = equation[dof].astype(np.int32)
-    rows, cols = eq[:, :, None], eq[:, None, :]
-    order = np.arange(30)
-    # The kernel adds K[r, c] for local r <= c, once; the entry goes to the upper triangle of the global matrix.
-    use = (order[:, None] <= order[None, :]) & (rows >= 0) & (cols >= 0)
-    low, high = np.minimum(rows, cols), np.maximum(rows, cols)
-    key = low.astype(np.int64) * count + high
-    groups = [np.arange(count, dtype=np.int64) * (count + 1)]
-    for group in dense_groups:
-        g = np.sort(equation[group])
-        g = g[g >= 0]
-        i, j = np.triu_indices(len(g))
-        groups.append(g[i] * count + g[j])
-    keys = np.unique(np.concatenate([np.unique(key[use]), *groups]))
-    entry = np.where(use, np.searchsorted(keys, np.where(use, key, 0)), -1).astype(np.int32)
-    row_start = np.searchsorted(keys, np.arange(count + 1, dtype=np.int64) * count).astype(np.int32)
-    column = (keys % count).astype(np.int32)
-    return HessianPattern(equation, count, row_start, column, entry.reshape(len(elements), 900))
 
 
 @dataclass(frozen=True)

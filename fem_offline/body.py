@@ -24,10 +24,11 @@ from typing import Protocol
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.assembly import ElementState, HessianPattern, hessian_pattern
+from palpate.fem_offline.assembly import ElementState
 from palpate.fem_offline.conjugate_gradients import StaleError, conjugate_gradients
 from palpate.fem_offline.contact import ContactHessian, face_places
 from palpate.fem_offline.far_field import FarField
+from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.organ import Organ, faces_held
 from palpate.fem_offline.patch import Patch

@@ -26,7 +26,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.fem_offline.assembly import HessianPattern
+from palpate.fem_offline.hessian_pattern import HessianPattern
 from palpate.fem_offline.quadratic_space import face_shape
 from palpate.fem_offline.tool import Pose, Tool
 

@@ -32,9 +32,9 @@ import warp as wp
 
 from palpate.fem_offline import constitutive as law
 from palpate.fem_offline import material_table as t
-from palpate.fem_offline.assembly import HessianPattern
 from palpate.fem_offline.batch import current_device, together
 from palpate.fem_offline.contact import face_places
+from palpate.fem_offline.hessian_pattern import HessianPattern
 from palpate.fem_offline.material import Material
 from palpate.fem_offline.material_table import material_table
 from palpate.fem_offline.quadratic_space import FACE_EDGES

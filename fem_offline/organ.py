@@ -11,9 +11,10 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.assembly import ElementSystem, HessianPattern, hessian_pattern
+from palpate.fem_offline.assembly import ElementSystem
 from palpate.fem_offline.elastic_support import ElasticSupport, elastic_support
 from palpate.fem_offline.errors import SupportError
+from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
 from palpate.fem_offline.material import Material
 from palpate.fem_offline.membrane import Capsule, Membrane
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space

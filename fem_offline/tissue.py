@@ -11,9 +11,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.fem_offline.assembly import ElementState, ElementSystem, HessianPattern
+from palpate.fem_offline.assembly import ElementState, ElementSystem
 from palpate.fem_offline.contact import face_places
 from palpate.fem_offline.elastic_support import ElasticSupport
+from palpate.fem_offline.hessian_pattern import HessianPattern
 from palpate.fem_offline.material import Linear
 from palpate.fem_offline.membrane import Membrane
 from palpate.fem_offline.quadratic_space import QuadraticSpace

@@ -14,8 +14,9 @@ from collections.abc import Iterator
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.assembly import ElementSystem, hessian_pattern
+from palpate.fem_offline.assembly import ElementSystem
 from palpate.fem_offline.block import block
+from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.material import Material, NeoHookean
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 from palpate.fem_offline.verification.row import Row

@@ -14,8 +14,9 @@ from types import SimpleNamespace
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.assembly import ElementState, ElementSystem, hessian_pattern
+from palpate.fem_offline.assembly import ElementState, ElementSystem
 from palpate.fem_offline.equilibrium import equilibrate
+from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.material import FULL_SHARE, Material
 from palpate.fem_offline.organ import boundary_faces

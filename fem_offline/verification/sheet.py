@@ -22,7 +22,7 @@ from scipy import sparse
 from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
-from palpate.fem_offline.assembly import HessianPattern, hessian_pattern
+from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
 from palpate.fem_offline.material import Linear, Material, NeoHookean
 from palpate.fem_offline.membrane import Capsule, Membrane
 from palpate.fem_offline.quadratic_space import FACE_EDGES

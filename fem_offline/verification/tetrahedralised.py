@@ -27,7 +27,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.assembly import RULE_GRADIENTS, hessian_pattern
+from palpate.fem_offline.assembly import RULE_GRADIENTS
+from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.linear_solver import Factor, NotPositiveDefiniteError
 from palpate.fem_offline.material import FULL_SHARE, NeoHookean
 from palpate.fem_offline.organ import boundary_faces

@@ -40,8 +40,9 @@ except ModuleNotFoundError:  # a checkout's folders are the package's
 import warp as wp  # noqa: E402
 
 from palpate.fem_offline import linear_solver  # noqa: E402
-from palpate.fem_offline.assembly import ElementSystem, hessian_pattern, states  # noqa: E402
+from palpate.fem_offline.assembly import ElementSystem, states  # noqa: E402
 from palpate.fem_offline.batch import Batch  # noqa: E402
+from palpate.fem_offline.hessian_pattern import hessian_pattern  # noqa: E402
 from palpate.fem_offline.material import NeoHookean  # noqa: E402
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space  # noqa: E402
 

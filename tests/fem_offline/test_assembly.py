@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from palpate.fem_offline.assembly import ElementSystem, hessian_pattern
+from palpate.fem_offline.assembly import ElementSystem
+from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.material import Linear, MooneyRivlin, NeoHookean
 from palpate.fem_offline.verification.elements import element_rows, irregular_mesh, stiffness_of, system_of
 

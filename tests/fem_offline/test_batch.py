@@ -11,9 +11,10 @@ import pytest
 import warp as wp
 
 from palpate.fem_offline import assembly, membrane
-from palpate.fem_offline.assembly import ElementSystem, hessian_pattern
+from palpate.fem_offline.assembly import ElementSystem
 from palpate.fem_offline.batch import Batch, current_device, together
 from palpate.fem_offline.block import block
+from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.material import NeoHookean, Ogden
 from palpate.fem_offline.membrane import Capsule, Membrane

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from palpate.fem_offline.assembly import ElementSystem, hessian_pattern
+from palpate.fem_offline.assembly import ElementSystem
+from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.material import Linear, NeoHookean
 from palpate.fem_offline.quadratic_space import quadratic_space

@@ -226,7 +226,7 @@ class _ToolWork:
         self.reference = reference_of(tool.name, self.shape)
         self.depth_max = scene.depth_max(tool)
         self.seed = scene.accuracy.seed
-        self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.reference.offset, self.depth_max)
+        self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.shape, self.depth_max)
         if not self.samples.allowed.any():
             why = "; ".join(f"{count} places: {reason}" for reason, count in self.samples.left_out.items())
             raise InputError(

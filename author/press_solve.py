@@ -25,6 +25,7 @@ from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob
 from palpate.author.store import Result, Store
 from palpate.author.tool_stage import solid_tool
+from palpate.fem_offline.far_modes import FarModes
 from palpate.fem_offline.pose import tangents
 
 __all__ = ["forget_organ", "solve"]
@@ -59,7 +60,7 @@ def solve(
             lateral: sticking moves.  patch: its size and quality.
             seconds, cpu_seconds: wall and CPU time.
             stages: CPU seconds by stage: organ (unpacked on first use), patch, far_field, ladder, drag.
-            far_field_kept: it was there already; None where none was asked for.
+            far_field_kept: nothing was solved on the whole organ for it; None where no far field was asked for.
             peak_memory: bytes; the largest resident set of the process during this press (memory.py).
     """
     from palpate.fem_offline.deformed import deformed_patch
@@ -152,7 +153,11 @@ class _StageClock:
 
 
 class _FarFields:
-    """Far fields through a store; counts what they cost (CPU seconds) and whether all were there already."""
+    """Far fields through a store: what they cost (CPU seconds), and whether the whole organ was left alone.
+
+    Attributes:
+        kept: None where no far field was asked for; False where one was made that takes the whole organ.
+    """
 
     def __init__(self, store: Store) -> None:
         self.store = store
@@ -160,19 +165,18 @@ class _FarFields:
         self.kept: bool | None = None
         self._making = 0
 
-    def __call__(self, key: str, make: Callable[[], Any]) -> Any:
-        from palpate.fem_offline.far_field import FarField
-
+    def __call__(self, kind: type, key: str, make: Callable[[], Any]) -> Any:
         begun = _cpu_time()
         self._making += 1  # making one may ask for others, whose time is in its own
         try:
-            found = self.store.read("far_field", key)
-            self.kept = found is not None and self.kept is not False
+            self.kept = self.kept is not False
+            found = self.store.read(kind.__name__, key)
             if found is not None:
-                return FarField(**found[0])
+                return kind(**found[0])
             made = make()
+            self.kept = self.kept and kind is FarModes  # which are put together from kept ones
             with suppress(PalpateError):
-                self.store.write("far_field", key, asdict(made), {})
+                self.store.write(kind.__name__, key, asdict(made), {})
             return made
         finally:
             self._making -= 1

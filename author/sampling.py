@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_tables import Reach
+from palpate.author.tool_stage import ToolShape, contact_extent, offset_of
 
 __all__ = ["ReachSamples", "farthest_points", "held_out_points", "reach_samples"]
 
@@ -57,15 +58,16 @@ class ReachSamples:
 
 
 def reach_samples(
-    mesh: OrganMesh, reach: Reach, offset: float, depth_max: float, spacing: float = 1.0e-3
+    mesh: OrganMesh, reach: Reach, tool: ToolShape, depth_max: float, spacing: float = 1.0e-3
 ) -> ReachSamples:
     """Cover the reachable surface.
 
     Args:
-        offset: rho of the tool, m.
+        tool: and how it is held.
         depth_max: m.
         spacing: m, about; coarser on large reaches so that there are at most some 60,000 points.
     """
+    offset, contact = offset_of(tool), contact_extent(tool, depth_max)
     corners = mesh.vertices[mesh.triangles]
     area = 0.5 * np.linalg.norm(
         np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
@@ -92,9 +94,13 @@ def reach_samples(
         there = mesh.distance(points + deepest * normals)
         crease |= np.abs(there - deepest) > CREASE_TOLERANCE * depth_max
     thin = _thickness_below(mesh, points, normals, depth_max / THICKNESS_SHARE)
+    held = _beside_support(mesh, points, normals, contact)
     reasons["crease that the tool sees from two sides"] = int(crease.sum())
+    reasons[f"within {1e3 * contact:.1f} mm of a support"] = int((held & ~crease & ~thin).sum())
     reasons[f"thinner than {1e3 * depth_max / THICKNESS_SHARE:.1f} mm"] = int((thin & ~crease).sum())
-    return ReachSamples(points, normals, spacing, ~(crease | thin), {k: v for k, v in reasons.items() if v})
+    return ReachSamples(
+        points, normals, spacing, ~(crease | thin | held), {k: v for k, v in reasons.items() if v}
+    )
 
 
 def _spread_over(corners: np.ndarray, area: np.ndarray, spacing: float) -> np.ndarray:
@@ -115,6 +121,18 @@ def _thickness_below(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, l
     steps = np.linspace(0.15, 1.0, 8) * limit
     inward = points[:, None] - steps[None, :, None] * normals[:, None]
     return (mesh.distance(inward.reshape(-1, 3)).reshape(len(points), -1) > 0.0).any(axis=1)
+
+
+def _beside_support(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, contact: float) -> np.ndarray:
+    """Whether a contact of this radius (m), and the faces around it, would reach a support, which never gives way."""
+    first = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    beside = np.zeros(len(points), bool)
+    for angle in np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False):
+        for radius in (0.5 * contact, 1.3 * contact):
+            beside |= mesh.supported(points + radius * (np.cos(angle) * first + np.sin(angle) * second))
+    return beside
 
 
 def farthest_points(samples: ReachSamples, count: int) -> np.ndarray:

@@ -25,6 +25,7 @@ from palpate.fields.response_field import ToolReference
 
 __all__ = [
     "ToolShape",
+    "contact_extent",
     "heading_matters",
     "offset_of",
     "reference_of",
@@ -153,6 +154,11 @@ def offset_of(shape: ToolShape) -> float:
     """rho, m: how far the tool, held as it is, reaches from its reference point towards the tissue."""
     offset = float(solid_tool(shape).offset_along(-E_Z @ tilted(E_Z, shape.tilt)))
     return 0.0 if abs(offset) < ROUNDING else offset
+
+
+def contact_extent(shape: ToolShape, depth: float) -> float:
+    """m; radius around the contact point that holds the contact at a depth (m)."""
+    return solid_tool(shape).footprint(depth, tilted(E_Z, shape.tilt)).extent
 
 
 def reference_of(name: str, shape: ToolShape) -> ToolReference:

@@ -72,12 +72,13 @@ def validate(
     scene = field.provenance["scene"]
     mesh = mesh_of_asset(read_organ(asset), field)
     reach = Reach.model_validate(scene["reach"])
-    samples = reach_samples(mesh, reach, field.tool.offset, field.depth_max)
+    shape = shape_of_reference(field.tool)
+    samples = reach_samples(mesh, reach, shape, field.depth_max)
     chosen = held_out_points(samples, points, seed)
     friction = (scene["tool"].get("friction") or 0.0) if "friction" in scene["effects"] else 0.0
     jobs = held_out_jobs(
         samples.points[chosen],
-        shape_of_reference(field.tool),
+        shape,
         ladder(field.depth_max),
         friction,
         TRUTH,

@@ -30,7 +30,7 @@ from palpate.fem_offline.linear_solver import NotPositiveDefiniteError
 __all__ = ["Equilibrium", "EquilibriumError", "equilibrate"]
 
 SUFFICIENT_DECREASE = 1.0e-4
-FORCING = (1.0e-3, 0.05)
+FORCING = (1.0e-4, 0.05)
 """Smallest and largest reduction of the linear residual in a Newton step."""
 NEAR = 1.0e-5
 """Relative residual below which the residual may judge a step; the energy's decrease is then some 1e-10 of it."""
@@ -80,6 +80,12 @@ def _direction(body: Body, contact: Contact, u: np.ndarray, r: np.ndarray, toler
     )
 
 
+def _forcing(residual: float, tolerance: float) -> float:
+    """How far a Newton step's linear system is solved: as the residual, which keeps convergence quadratic, less early
+    on, where the contact area still changes (Eisenstat and Walker 1996), and no further than the tolerance asks."""
+    return float(np.clip(residual, max(0.3 * tolerance / residual, FORCING[0]), FORCING[1]))
+
+
 def equilibrate(
     body: Body,
     contact: Contact,
@@ -99,6 +105,7 @@ def equilibrate(
         EquilibriumError: no convergence.
     """
     free = body.equation >= 0
+    u = body.follow(u)
     elastic, touch = body.state(u), contact.state(u)
     if not np.isfinite(elastic.energy):
         raise EquilibriumError("the start has an inverted element")
@@ -111,15 +118,11 @@ def equilibrate(
             return Equilibrium(u, elastic, touch, residual, iteration)
         if iteration == iterations_max:
             break
-        # An inexact step early on, where the contact area still changes (Eisenstat and Walker 1996).
-        d = _direction(body, contact, u, r, float(np.clip(np.sqrt(residual), *FORCING)))
+        d = _direction(body, contact, u, r, _forcing(residual, tolerance))
         slope = float(r @ d)
-        step = np.zeros(len(free))
-        step[free] = d
-        step = step.reshape(-1, 3)
         alpha = 1.0
         for _ in range(25):
-            trial = u + alpha * step
+            trial = body.moved(u, alpha * d)
             elastic_trial, touch_trial = body.state(trial), contact.state(trial)
             energy_trial = elastic_trial.energy + touch_trial.energy
             if np.isfinite(energy_trial):

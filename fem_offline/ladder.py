@@ -24,7 +24,7 @@ from palpate.fem_offline.tool import Pose, Tool
 
 __all__ = ["DEFAULT_SETTINGS", "Ladder", "PressSettings", "reaction_error"]
 
-LOOSE = 3.0e-3
+LOOSE = 1.0e-2
 """Residual at which multipliers are updated; a better one does not survive the update."""
 PATH = 1.0e-5
 """Residual of steps on the way with friction; they are remembered."""
@@ -137,7 +137,7 @@ class Ladder:
         self.contact.multiplier = self.pressure[-1]
         if len(self.way) > self.warm:
             ratio = (way - self.way[-1]) / (self.way[-1] - self.way[-2])
-            start = self.u[-1] + ratio * (self.u[-1] - self.u[-2])
+            start = self.site.body.follow(self.u[-1] + ratio * (self.u[-1] - self.u[-2]))
             rise = self.pressure[-1] - self.pressure[-2]
             self.contact.multiplier = np.maximum(0.0, self.pressure[-1] + ratio * rise)
             if not np.isfinite(self.site.body.state(start).energy):

@@ -56,7 +56,13 @@ def _pointer(array: np.ndarray) -> ctypes.c_void_p:
 class _Pardiso:
     """One Pardiso handle: a fixed pattern, analysed once, factorised as often as values change."""
 
-    def __init__(self, row_start: np.ndarray, column: np.ndarray, schur: np.ndarray | None = None) -> None:
+    def __init__(
+        self,
+        row_start: np.ndarray,
+        column: np.ndarray,
+        schur: np.ndarray | None = None,
+        dtype: type = np.float64,
+    ) -> None:
         self.n = len(row_start) - 1
         self.row_start = np.ascontiguousarray(row_start, np.int32)
         self.column = np.ascontiguousarray(column, np.int32)
@@ -69,8 +75,10 @@ class _Pardiso:
         if schur is not None:
             self.iparm[35] = 1
             self.perm[schur] = 1
-        self.values: np.ndarray = np.zeros(len(column))
-        self._nothing = np.zeros(1)
+        self.iparm[27] = dtype is np.float32
+        self.dtype = dtype
+        self.values: np.ndarray = np.zeros(len(column), dtype)
+        self._nothing = np.zeros(1, dtype)
         self._routine = _pardiso()  # kept, because __del__ may run when modules are already gone
 
     def call(self, phase: int, b: np.ndarray | None = None, x: np.ndarray | None = None) -> None:
@@ -109,12 +117,14 @@ class Factor:
 
     Args:
         row_start, column: upper triangle in compressed rows, diagonal present, columns rising.
+        single: factor and solve in single precision, good enough to precondition (Pardiso only).
     """
 
-    def __init__(self, row_start: np.ndarray, column: np.ndarray) -> None:
+    def __init__(self, row_start: np.ndarray, column: np.ndarray, single: bool = False) -> None:
         self.row_start, self.column = row_start, column
         self.n = len(row_start) - 1
-        self._direct = _Pardiso(row_start, column) if pardiso_available() else None
+        self._dtype = np.float32 if single else np.float64
+        self._direct = _Pardiso(row_start, column, dtype=self._dtype) if pardiso_available() else None
         self._analysed = False
         self.ready = False  # whether the last factorisation succeeded
         self._lu: linalg.SuperLU | None = None
@@ -139,7 +149,7 @@ class Factor:
             self._lu = lu
             self.ready = True
             return
-        self._direct.values = np.ascontiguousarray(values, float)
+        self._direct.values = np.ascontiguousarray(values, self._dtype)
         if not self._analysed:
             self._direct.call(ANALYSE)
             self._analysed = True
@@ -151,10 +161,10 @@ class Factor:
         if self._direct is None:
             assert self._lu is not None, "factorise first"
             return self._lu.solve(np.asarray(b, float))
-        b = np.asfortranarray(b, float)
+        b = np.asfortranarray(b, self._dtype)
         x = np.zeros_like(b, order="F")
         self._direct.call(SOLVE, b, x)
-        return x
+        return x.astype(float, copy=False)
 
 
 def schur_complement(matrix: sparse.csr_matrix, kept: np.ndarray) -> np.ndarray:

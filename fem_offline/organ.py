@@ -15,6 +15,7 @@ from palpate.fem_offline.assembly import ElementSystem
 from palpate.fem_offline.elastic_support import ElasticSupport, elastic_support
 from palpate.fem_offline.errors import SupportError
 from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
+from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.material import Material
 from palpate.fem_offline.membrane import Capsule, Membrane
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
@@ -90,9 +91,13 @@ class Organ:
         """(B, 3) outward surface faces."""
         return self._surface[0]
 
+    def faces_of(self, tets: np.ndarray) -> np.ndarray:
+        """(B', 3) corners of the organ's surface faces that belong to tetrahedra (T,) bool."""
+        return self.faces[tets[self._surface[1]]]
+
     def surface_of(self, tets: np.ndarray) -> np.ndarray:
         """(B', 6) quadratic nodes of the organ's surface faces that belong to tetrahedra (T,) bool."""
-        return self.space.face_nodes(self.faces[tets[self._surface[1]]])
+        return self.space.face_nodes(self.faces_of(tets))
 
     def thickness(self, point: np.ndarray, normal: np.ndarray) -> float:
         """m of tissue below a surface point (3,) m, along -normal: where that ray first leaves the tetrahedra.
@@ -179,6 +184,49 @@ class Organ:
             values += skin.hessian(nothing, self.pattern)
         upper = self.pattern.matrix(values)
         return (upper + sparse.triu(upper, 1).T).tocsr()
+
+    def stiffness_of(self, tets: np.ndarray) -> tuple[np.ndarray, sparse.csr_matrix, sparse.csr_matrix]:
+        """Small-strain stiffness of a few tetrahedra (T,) bool.
+
+        Returns:
+            their nodes (n,), rising; (3 n, 3 n) N/m over those nodes' components, of the tetrahedra with the capsule on
+            them, and of the elastic supports under them.
+        """
+        s = self.space
+        nodes = np.unique(s.elements[tets])
+        local = np.full(s.node_count, -1)
+        local[nodes] = np.arange(len(nodes))
+        elements = local[s.elements[tets]].astype(np.int32)
+        part = QuadraticSpace(
+            s.nodes[nodes], elements, s.corner_gradients[tets], s.volumes[tets], np.zeros((0, 3), int)
+        )
+        faces = local[self.surface_of(tets)]
+        skin, springs = self._skin(part.nodes, faces), self._springs(part.nodes, faces)
+        pattern = hessian_pattern(elements, np.zeros(3 * len(nodes), bool), [])
+        tissue = Tissue(ElementSystem(part, self.materials, self.fractions[tets]), skin)
+        upper = pattern.matrix(tissue.hessian(np.zeros_like(part.nodes), pattern))
+        nothing = sparse.csr_matrix(upper.shape)
+        return (
+            nodes,
+            (upper + sparse.triu(upper, 1).T).tocsr(),
+            nothing if springs is None else springs.matrix(len(nodes)),
+        )
+
+    @cached_property
+    def rest_factor(self) -> tuple[Factor, np.ndarray]:
+        """Factor of the whole organ's rest stiffness over its free components; each component's equation (3 N,)."""
+        everything = np.ones(len(self.tets), bool)
+        stiffness = self.rest_stiffness(everything) + self.spring_stiffness(everything)
+        free = np.ones((self.space.node_count, 3), bool)
+        free[self.held_nodes] = False
+        free = np.flatnonzero(free.ravel())
+        upper = sparse.triu(stiffness[free][:, free]).tocsr()
+        upper.sort_indices()
+        factor = Factor(upper.indptr, upper.indices)
+        factor.factorise(upper.data)
+        equation = np.full(stiffness.shape[0], -1)
+        equation[free] = np.arange(len(free))
+        return factor, equation
 
     def spring_stiffness(self, tets: np.ndarray) -> sparse.csr_matrix:
         """Elastic supports under some tetrahedra (T,) bool, over all components (3 N, 3 N), N/m."""

@@ -11,12 +11,18 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from palpate.fem_offline.body import Body, FullBody, NearBody, patch_space
+from palpate.fem_offline.body import Body, patch_space
 from palpate.fem_offline.contact import ContactSurface, contact_surface
 from palpate.fem_offline.far_field import FarField, condense, interface_nodes
+from palpate.fem_offline.far_modes import FarModes, far_modes
+from palpate.fem_offline.full_body import FullBody
+from palpate.fem_offline.green import LOAD_SPACING, GreenBlock
+from palpate.fem_offline.linear_body import LinearBody
+from palpate.fem_offline.near_body import NearBody
 from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.patch import Patch, PatchSize, carve, refine
 from palpate.fem_offline.surroundings import Surroundings, surroundings
@@ -24,10 +30,11 @@ from palpate.fem_offline.tool import Pose, Tool, tangents, tilted
 
 __all__ = ["FIDELITIES", "FarFieldStore", "Site", "far_field_key", "open_site", "patch_size"]
 
-FIDELITIES = ("near_field", "full")
+FIDELITIES = ("linear", "near_field", "full")
 
-FarFieldStore = Callable[[str, Callable[[], FarField]], FarField]
-"""Returns the far field of a key, making it when it is not kept yet."""
+Kept = TypeVar("Kept", FarField, FarModes, GreenBlock)
+FarFieldStore = Callable[[type[Kept], str, Callable[[], Kept]], Kept]
+"""Returns what is kept under a class and a key, making it when it is not kept yet."""
 
 
 @dataclass(frozen=True)
@@ -36,11 +43,11 @@ class Site:
 
     Attributes:
         contact_point: (3,) m on the smooth surface.  normal: (3,) outward.
-        body: near or full.
+        body: linear, near or full.
         surface: faces that may touch.
         patch: the refined mesh.
         youngs_modulus: Pa; of the tissue at the contact.
-        fidelity: near_field or full.
+        fidelity: linear, near_field or full.
         rotation: (3, 3) of the tool, see `pose`.
         thickness: m of tissue below the contact point, along -normal.
         surroundings: the rest of the organ's surface, which the tool must not touch.
@@ -99,9 +106,12 @@ def patch_size(
     )
 
 
-def far_field_key(organ: Organ, carved: np.ndarray) -> str:
+def far_field_key(organ: Organ, *parts: np.ndarray) -> str:
     """Hex digest of everything that a far field depends on; no tool in it."""
-    return hashlib.sha256(organ.hash.encode() + np.packbits(carved).tobytes()).hexdigest()
+    digest = hashlib.sha256(organ.hash.encode())
+    for part in parts:
+        digest.update(np.ascontiguousarray(part).tobytes())
+    return digest.hexdigest()
 
 
 def open_site(
@@ -110,7 +120,7 @@ def open_site(
     tool: Tool,
     size: PatchSize,
     fidelity: str = "near_field",
-    store: FarFieldStore = lambda key, make: make(),
+    store: FarFieldStore = lambda kind, key, make: make(),
     tilt: float = 0.0,
 ) -> Site:
     """Carve, refine and condense around a surface point.
@@ -135,16 +145,22 @@ def open_site(
     patch = refine(organ, carved, centre, size)
     space, held = patch_space(organ, patch)
     shared = interface_nodes(organ, patch, space)
-    far = store(far_field_key(organ, carved), lambda: condense(organ, carved, shared[1]))
-    order = np.argsort(shared[1])
-    interface = shared[0][order][np.searchsorted(shared[1][order], far.organ_nodes)]
-    held = np.union1d(held, shared[0][np.isin(shared[1], organ.held_nodes)])
+    loose = ~np.isin(shared[1], organ.held_nodes)
+    held = np.union1d(held, shared[0][~loose])
+    interface, at_organ = shared[0][loose], shared[1][loose]
     may_touch = _may_touch(patch, centre, normal, size)
     faces = space.face_nodes(patch.outer_faces[may_touch])
-    near = NearBody(organ, patch, space, held, interface, far, faces)
+    fraction = organ.fractions_of(patch.points, patch.tets, patch.label)
+    tissue = organ.tissue(space, fraction, space.face_nodes(patch.outer_faces))
+    body: Body
     # a patch that is the whole organ leaves nothing outside to be linear
-    near_is_all = fidelity == "near_field" or bool(carved.all())
-    body: Body = near if near_is_all else FullBody(near, organ, patch, shared)
+    if fidelity != "full" or bool(carved.all()):
+        modes = _modes(organ, carved, at_organ, centre, size.radius, store)
+        body = (LinearBody if fidelity == "linear" else NearBody)(tissue, held, interface, modes, faces)
+    else:
+        key = far_field_key(organ, np.packbits(carved))
+        far = store(FarField, key, lambda: condense(organ, carved, at_organ))
+        body = FullBody(tissue, held, organ, patch, shared, far, faces)
     surface = contact_surface(space.nodes, faces)
     label = patch.label[np.argmin(np.linalg.norm(patch.points[patch.tets].mean(axis=1) - centre, axis=1))]
     return Site(
@@ -159,6 +175,21 @@ def open_site(
         organ.thickness(centre, normal),
         surroundings(organ, patch, space.face_nodes(patch.outer_faces[~may_touch]), space.nodes),
     )
+
+
+def _modes(
+    organ: Organ,
+    carved: np.ndarray,
+    organ_nodes: np.ndarray,
+    centre: np.ndarray,
+    radius: float,
+    store: FarFieldStore,
+) -> FarModes:
+    def green(cell: tuple[int, int, int], seen: float, make: Callable[[], GreenBlock]) -> GreenBlock:
+        return store(GreenBlock, far_field_key(organ, np.array(cell), np.array([LOAD_SPACING, seen])), make)
+
+    key = far_field_key(organ, np.packbits(carved), centre, np.array([radius]))
+    return store(FarModes, key, lambda: far_modes(organ, carved, organ_nodes, centre, radius, green))
 
 
 def _may_touch(patch: Patch, centre: np.ndarray, normal: np.ndarray, size: PatchSize) -> np.ndarray:

@@ -84,6 +84,7 @@ def _newton(body: Body, contact: Coulomb, u: np.ndarray, tolerance: float, force
             r = np.full_like(r, np.inf)
         return elastic, touch, r
 
+    u = body.follow(u)
     elastic, touch, r = at(u)
     for iteration in range(NEWTON_STEPS + 1):
         scale = max(float(np.linalg.norm(touch.force)), force_floor)
@@ -93,19 +94,17 @@ def _newton(body: Body, contact: Coulomb, u: np.ndarray, tolerance: float, force
         if iteration == NEWTON_STEPS:
             break
         d = _direction(body, contact, u, r, float(np.clip(residual, *LINEAR_TOLERANCE)))
-        step = np.zeros(len(free))
-        step[free] = d
-        step = step.reshape(-1, 3)
         alpha = 1.0
         for _ in range(6):
-            elastic_trial, touch_trial, r_trial = at(u + alpha * step)
+            trial = body.moved(u, alpha * d)
+            elastic_trial, touch_trial, r_trial = at(trial)
             if np.linalg.norm(r_trial) <= (1.0 - 0.1 * alpha) * np.linalg.norm(r):
                 break
             alpha *= 0.5
         else:
             contact.lag(u)
             raise EquilibriumError(f"Newton's method stalled at residual {residual:.1e}")
-        u, elastic, touch, r = u + alpha * step, elastic_trial, touch_trial, r_trial
+        u, elastic, touch, r = trial, elastic_trial, touch_trial, r_trial
     raise EquilibriumError(f"no convergence in {NEWTON_STEPS} Newton steps; residual {residual:.1e}")
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.fem_offline.organ import Organ, boundary_faces
+from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.patch import Patch
 from palpate.fem_offline.quadratic_space import face_shape
 from palpate.fem_offline.tool import Pose, Tool
@@ -76,7 +76,4 @@ class Surroundings:
 
 def surroundings(organ: Organ, patch: Patch, near_faces: np.ndarray, nodes: np.ndarray) -> Surroundings:
     """Of a patch whose faces near_faces (B, 6) on nodes (N, 3) m may not touch."""
-    outside = boundary_faces(organ.tets[~patch.carved]) if not patch.carved.all() else np.zeros((0, 3), int)
-    outer = set(map(tuple, np.sort(organ.faces, axis=1).tolist()))
-    far = np.array([tuple(face) in outer for face in np.sort(outside, axis=1).tolist()], bool)
-    return Surroundings(near_faces, nodes, organ.points[outside[far]])
+    return Surroundings(near_faces, nodes, organ.points[organ.faces_of(~patch.carved)])

@@ -10,7 +10,11 @@ from palpate.assets import scene_path
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.sampling import farthest_points, held_out_points, reach_samples
 from palpate.author.scene import load_scene
+from palpate.author.scene_tables import Reach
+from palpate.author.tool_stage import ToolShape
 from palpate.fem_offline.surface import load_surface, repair_surface
+
+BALL = ToolShape("sphere", (("radius", 5e-3),))
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +42,7 @@ def mesh(scene) -> OrganMesh:
 
 @pytest.fixture(scope="module")
 def samples(scene, mesh):
-    return reach_samples(mesh, scene.reach, 5e-3, 4e-3)
+    return reach_samples(mesh, scene.reach, BALL, 4e-3)
 
 
 def test_samples_lie_on_the_surface_inside_the_reach_and_off_the_supports(scene, mesh, samples):
@@ -72,6 +76,17 @@ def test_held_out_points_follow_their_seed_and_never_coincide(samples):
 
 
 def test_tissue_too_thin_for_the_depth_is_left_out_and_counted(scene, mesh):
-    deep = reach_samples(mesh, scene.reach, 5e-3, 13e-3)  # 30 mm thick: at most 12 mm
+    deep = reach_samples(mesh, scene.reach, BALL, 13e-3)  # 30 mm thick: at most 12 mm
     assert not deep.allowed.any()
     assert any("thinner" in reason for reason in deep.left_out)
+
+
+def test_a_contact_that_would_reach_a_support_is_left_out_and_counted(mesh):
+    everywhere = reach_samples(mesh, Reach(), BALL, 4e-3)
+    assert any("of a support" in reason for reason in everywhere.left_out)
+    side = everywhere.allowed & (
+        np.abs(everywhere.normals[:, 0]) > 0.99
+    )  # the flanks, which stand on the held bottom
+    top_of_support = mesh.vertices[mesh.supported(mesh.vertices)][:, 2].max()
+    height = everywhere.points[:, 2] - top_of_support
+    assert height[side].min() > 3e-3 and height.min() < 2e-3

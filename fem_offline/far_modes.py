@@ -25,12 +25,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.green import GreenBlock, GreenStore, blocks_around
+from palpate.fem_offline.green import GreenBlock, GreenStore, blocks_around, green_block, sight
 from palpate.fem_offline.organ import Organ
 
 __all__ = ["FarModes", "far_modes", "rigid_motions"]
 
-MODES_MAX = 36
+MODES_MAX = 48
+LOADS_LEAST = 10
+"""Fewer common forces than this inside a patch do not make its modes."""
+LOADS_OWN = 24
+"""Forces of a patch that has too few common ones."""
 SMALLEST = 1.0e-5
 """Singular value, over the largest, below which traces repeat one another."""
 
@@ -82,10 +86,7 @@ def far_modes(
     far_stiffness = tissue + springs
     near_supports = _Supports.under(organ, carved)
     traces, forces, reactions, distances = [], [], [], []
-    for block in blocks_around(organ, centre, radius, store):
-        use = np.flatnonzero(np.isin(block.loaded, inside))
-        if not len(use):
-            continue
+    for block, use in _forces(organ, inside, centre, radius, store):
         columns = (3 * use[:, None] + np.arange(3)).ravel()
         u = _at(block, far_nodes, columns)
         force = (far_stiffness @ u).reshape(len(far_nodes), 3, -1)
@@ -105,6 +106,22 @@ def far_modes(
     return _with_rigid(
         organ, kept, left[:, :count], force @ combine, reaction @ combine, far_nodes, far_stiffness
     )
+
+
+def _forces(
+    organ: Organ, inside: np.ndarray, centre: np.ndarray, radius: float, store: GreenStore
+) -> list[tuple[GreenBlock, np.ndarray]]:
+    """Blocks, and which of their forces stand on nodes inside the patch."""
+    found = [
+        (block, np.flatnonzero(np.isin(block.loaded, inside)))
+        for block in blocks_around(organ, centre, radius, store)
+    ]
+    if sum(len(use) for _, use in found) >= LOADS_LEAST:
+        return [(block, use) for block, use in found if len(use)]
+    free = np.setdiff1d(inside, organ.held_nodes)
+    nearest = np.argsort(np.linalg.norm(organ.space.nodes[free] - centre, axis=1), kind="stable")[:LOADS_OWN]
+    own = green_block(organ, np.sort(free[nearest]), sight(organ, radius))
+    return [(own, np.arange(len(own.loaded)))]
 
 
 def _with_rigid(organ, kept, trace, force, reaction, far_nodes, far_stiffness) -> FarModes:

@@ -132,6 +132,7 @@ class FullBody(Tangent):
         pattern = hessian_pattern(full_space.elements, _fixed(tissue, held_all), [])
         super().__init__(tissue, held_all, tissue.nodes, pattern, faces)
         patch_at = index[far.organ_nodes]
+        self.patch_tissue = near
         self._patch = _CondensedBody(near, held, patch_at, far, faces)
         self.set_rest()
         self._far = self._factor_far(space.node_count)

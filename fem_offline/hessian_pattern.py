@@ -153,4 +153,4 @@ def _entries(elements: np.ndarray, pairs: _NodePairs, row_start: np.ndarray, pla
                         own, other = np.where(swapped, j, i), np.where(swapped, i, j)
                         at = row_start[row] + (3 - own) + 3 * (position - 1) + other
                     entry[:, a, i, b, j] = place[at]
-    return entry.reshape(len(elements), -1)
+    return entry.reshape(len(elements), 9 * size**2)

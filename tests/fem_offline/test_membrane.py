@@ -163,7 +163,7 @@ def test_the_capsule_covers_patch_and_far_field_once(bare):
     area = 2 * 0.06 * 0.06 + 4 * 0.06 * 0.03
     assert site.body.tissue.capsule.area.sum() == pytest.approx(area, rel=1e-9)
     skin = Membrane(covered.space.nodes, covered.surface_of(~site.patch.carved), covered.capsule)
-    assert site.body.near.tissue.capsule.area.sum() + skin.area.sum() == pytest.approx(area, rel=1e-9)
+    assert site.body.patch_tissue.capsule.area.sum() + skin.area.sum() == pytest.approx(area, rel=1e-9)
 
 
 @pytest.mark.slow

@@ -18,7 +18,7 @@ from palpate.fem_offline.organ import Organ, faces_held
 from palpate.fem_offline.patch import Patch
 from palpate.fem_offline.quadratic_space import QuadraticSpace, quadratic_space
 
-__all__ = ["Body", "patch_space"]
+__all__ = ["Body", "FreeMotion", "patch_space"]
 
 
 class Body(Protocol):
@@ -53,6 +53,26 @@ class Body(Protocol):
     def solve(self, b: np.ndarray, tolerance: float) -> np.ndarray: ...
 
     def support_reaction(self, u: np.ndarray, state: ElementState) -> np.ndarray: ...
+
+
+class FreeMotion:
+    """How a body moves whose components are free or held: nothing follows.
+
+    Attributes:
+        equation: (3 N,) as of `Body`.
+    """
+
+    equation: np.ndarray
+
+    def follow(self, u: np.ndarray) -> np.ndarray:
+        """u (N, 3) m with those components set that follow the free ones."""
+        return u
+
+    def moved(self, u: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """(N, 3) m; u after a step (equation_count,) of the free components."""
+        out = u.copy()
+        out.reshape(-1)[self.equation >= 0] += step
+        return self.follow(out)
 
 
 def patch_space(organ: Organ, patch: Patch) -> tuple[QuadraticSpace, np.ndarray]:

@@ -72,7 +72,7 @@ class Corotation:
         r = self.arm + self.rest @ y
         spun = np.einsum("kij,aj->aik", first, r)
         J = self.mean[None] + np.einsum("ij,ajn->ain", Q, self.rest) + spun @ self.turn
-        return J.reshape(-1, J.shape[-1])
+        return J.reshape(3 * len(self.arm), J.shape[-1])
 
     def curvature(self, y: np.ndarray, force: np.ndarray) -> np.ndarray:
         """(n, n) N/m; sum_a f_a . d2u_a/dy2 for forces f (I, 3) N."""
@@ -86,6 +86,8 @@ class Corotation:
 
 def corotation(points: np.ndarray, trace: np.ndarray, turning: bool = True) -> Corotation:
     """Of interface points (I, 3) m with displacements trace (3 I, n) of unit coordinates; linear if not `turning`."""
+    if not len(points):  # a patch that is the whole organ
+        return Corotation(points, np.zeros((3, 0)), np.zeros((3, 0)), np.zeros((0, 3, 0)))
     arm = points - points.mean(axis=0)
     u = trace.reshape(len(points), 3, -1)
     mean = u.mean(axis=0)

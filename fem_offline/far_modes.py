@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.green import GreenBlock, GreenStore, blocks_around, green_block, sight
+from palpate.fem_offline.green import GreenBlock, GreenStore, blocks_around, green_block
 from palpate.fem_offline.organ import Organ
 
 __all__ = ["FarModes", "far_modes", "rigid_motions"]
@@ -33,7 +33,7 @@ __all__ = ["FarModes", "far_modes", "rigid_motions"]
 MODES_MAX = 48
 LOADS_LEAST = 10
 """Fewer common forces than this inside a patch do not make its modes."""
-LOADS_OWN = 24
+LOADS_OWN = 48
 """Forces of a patch that has too few common ones."""
 SMALLEST = 1.0e-5
 """Singular value, over the largest, below which traces repeat one another."""
@@ -73,9 +73,6 @@ def far_modes(
     Args:
         centre: (3,) m; the contact.  radius: m; of the patch.
         store: keeps Green's functions.
-
-    Raises:
-        ValueError: a block of Green's functions does not reach as far as the patch.
     """
     kept = organ_nodes
     if not len(kept):
@@ -83,10 +80,11 @@ def far_modes(
     inside = np.unique(organ.space.elements[carved])
     touching = ~carved & np.isin(organ.space.elements, kept).any(axis=1)
     far_nodes, tissue, springs = organ.stiffness_of(touching)
+    asked = np.union1d(far_nodes, inside)
     far_stiffness = tissue + springs
     near_supports = _Supports.under(organ, carved)
     traces, forces, reactions, distances = [], [], [], []
-    for block, use in _forces(organ, inside, centre, radius, store):
+    for block, use in _forces(organ, inside, asked, centre, radius, store):
         columns = (3 * use[:, None] + np.arange(3)).ravel()
         u = _at(block, far_nodes, columns)
         force = (far_stiffness @ u).reshape(len(far_nodes), 3, -1)
@@ -109,9 +107,9 @@ def far_modes(
 
 
 def _forces(
-    organ: Organ, inside: np.ndarray, centre: np.ndarray, radius: float, store: GreenStore
+    organ: Organ, inside: np.ndarray, asked: np.ndarray, centre: np.ndarray, radius: float, store: GreenStore
 ) -> list[tuple[GreenBlock, np.ndarray]]:
-    """Blocks, and which of their forces stand on nodes inside the patch."""
+    """Blocks that see all nodes asked for, and which of their forces stand on nodes inside the patch."""
     found = [
         (block, np.flatnonzero(np.isin(block.loaded, inside)))
         for block in blocks_around(organ, centre, radius, store)
@@ -120,7 +118,7 @@ def _forces(
         return [(block, use) for block, use in found if len(use)]
     free = np.setdiff1d(inside, organ.held_nodes)
     nearest = np.argsort(np.linalg.norm(organ.space.nodes[free] - centre, axis=1), kind="stable")[:LOADS_OWN]
-    own = green_block(organ, np.sort(free[nearest]), sight(organ, radius))
+    own = green_block(organ, np.sort(free[nearest]), np.inf)
     return [(own, np.arange(len(own.loaded)))]
 
 
@@ -168,10 +166,7 @@ class _Supports:
 
 def _at(block: GreenBlock, nodes: np.ndarray, columns: np.ndarray) -> np.ndarray:
     """(3 n, c) m/N; displacements at organ nodes (n,) of some of a block's columns."""
-    at = np.minimum(np.searchsorted(block.node, nodes), len(block.node) - 1)
-    if np.any(block.node[at] != nodes):
-        raise ValueError("the Green's functions do not reach as far as the patch")
-    return block.displacement[at][:, :, columns].reshape(3 * len(nodes), len(columns))
+    return block.displacement[np.searchsorted(block.node, nodes)][:, :, columns].reshape(-1, len(columns))
 
 
 def rigid_motions(points: np.ndarray) -> np.ndarray:

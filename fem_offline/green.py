@@ -24,11 +24,11 @@ from palpate.fem_offline.organ import Organ
 
 __all__ = ["BLOCK", "GreenBlock", "GreenStore", "blocks_around", "green_block"]
 
-LOAD_SPACING = 8.0e-3
+LOAD_SPACING = 7.0e-3
 """m; of the cubes that have one loaded node each."""
-BLOCK = 3.0 * LOAD_SPACING
+BLOCK = 2.0 * LOAD_SPACING
 """m; edge of the cubes that are solved at once."""
-WITHIN = 0.6
+WITHIN = 0.7
 """Forces stand this share of a patch's radius around the contact."""
 
 _ONE_AT_A_TIME = threading.Lock()
@@ -79,10 +79,11 @@ def cells_around(organ: Organ, centre: np.ndarray, radius: float) -> Iterator[tu
 
 def sight(organ: Organ, radius: float) -> float:
     """m; how far from a block's middle patches of a radius (m) reach: half the block, the way from force to contact,
-    the patch, and two tetrahedra; in steps of 20 mm, so that tools of about one size share blocks."""
+    the patch, and two tetrahedra; in steps of 10 mm, so that tools of about one size share blocks."""
     a, b, _ = organ.space.edge_nodes.T
-    edge = float(np.linalg.norm(organ.space.nodes[a] - organ.space.nodes[b], axis=1).max())
-    return 20e-3 * float(np.ceil((0.5 * np.sqrt(3.0) * BLOCK + (1.0 + WITHIN) * radius + 2.0 * edge) / 20e-3))
+    edges = np.linalg.norm(organ.space.nodes[a] - organ.space.nodes[b], axis=1)
+    reach = 0.5 * np.sqrt(3.0) * BLOCK + (1.0 + WITHIN) * radius + 2.0 * float(np.percentile(edges, 99))
+    return 10e-3 * float(np.ceil(reach / 10e-3))
 
 
 def blocks_around(organ: Organ, centre: np.ndarray, radius: float, store: GreenStore) -> Iterator[GreenBlock]:

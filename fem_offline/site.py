@@ -148,7 +148,9 @@ def open_site(
     loose = ~np.isin(shared[1], organ.held_nodes)
     held = np.union1d(held, shared[0][~loose])
     interface, at_organ = shared[0][loose], shared[1][loose]
-    may_touch = _may_touch(patch, centre, normal, size)
+    # what follows the far field cannot be pressed; a tool that gets there is told (surroundings.py)
+    inner = ~np.isin(space.face_nodes(patch.outer_faces), interface).any(axis=1)
+    may_touch = _may_touch(patch, centre, normal, size) & inner
     faces = space.face_nodes(patch.outer_faces[may_touch])
     fraction = organ.fractions_of(patch.points, patch.tets, patch.label)
     tissue = organ.tissue(space, fraction, space.face_nodes(patch.outer_faces))

@@ -13,6 +13,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from palpate.fem_offline.assembly import ElementState
+from palpate.fem_offline.body import FreeMotion
 from palpate.fem_offline.conjugate_gradients import StaleError, conjugate_gradients
 from palpate.fem_offline.contact import ContactHessian, face_places
 from palpate.fem_offline.hessian_pattern import HessianPattern
@@ -25,7 +26,7 @@ CG_ITERATIONS_STALE = 16
 """More iterations than this cost more than a new factor."""
 
 
-class Tangent(ABC):
+class Tangent(FreeMotion, ABC):
     """A body's Newton systems: the current Hessian, and conjugate gradients with a factor that may be older.
 
     Args:
@@ -45,16 +46,6 @@ class Tangent(ABC):
         self.tissue, self.held, self.nodes, self.pattern = tissue, held, nodes, pattern
         self.equation, self.equation_count = pattern.equation, pattern.equation_count
         self._contact_places = face_places(pattern, faces)
-
-    def follow(self, u: np.ndarray) -> np.ndarray:
-        """u (N, 3) m with those components set that follow the free ones; here none do."""
-        return u
-
-    def moved(self, u: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """(N, 3) m; u after a step (equation_count,) of the free components."""
-        out = u.copy()
-        out.reshape(-1)[self.equation >= 0] += step
-        return self.follow(out)
 
     def state(self, u: np.ndarray) -> ElementState:
         """Energy and forces at u (N, 3) m, without contact."""

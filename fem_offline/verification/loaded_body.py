@@ -15,6 +15,7 @@ import numpy as np
 from scipy import sparse
 
 from palpate.fem_offline.assembly import ElementState, ElementSystem
+from palpate.fem_offline.body import FreeMotion
 from palpate.fem_offline.equilibrium import equilibrate
 from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
@@ -132,7 +133,7 @@ class _DeadLoad:
         return None
 
 
-class _NewtonBody:
+class _NewtonBody(FreeMotion):
     """What `equilibrate` asks of a body; a new factor in every step."""
 
     def __init__(self, body: LoadedBody) -> None:

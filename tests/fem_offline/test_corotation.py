@@ -60,3 +60,9 @@ def test_without_turning_it_is_linear():
     straight = corotation(POINTS, TRACE, turning=False)
     assert straight.displacement(Y).ravel() == pytest.approx(TRACE @ Y, abs=1e-15)
     assert straight.slope(Y) == pytest.approx(TRACE, abs=1e-15) and straight.angle(Y) == 0.0
+
+
+def test_nothing_behind_a_patch_turns_nothing():
+    none = corotation(np.zeros((0, 3)), np.zeros((0, 0)))
+    assert none.displacement(np.zeros(0)).shape == (0, 3) and none.slope(np.zeros(0)).shape == (0, 0)
+    assert none.curvature(np.zeros(0), np.zeros((0, 3))).shape == (0, 0) and none.angle(np.zeros(0)) == 0.0

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from palpate.fem_offline.assembly import ElementState
+from palpate.fem_offline.body import FreeMotion
 from palpate.fem_offline.equilibrium import EquilibriumError, equilibrate
 from palpate.fem_offline.linear_solver import NotPositiveDefiniteError
 
 
-class Chain:
+class Chain(FreeMotion):
     """Two nodes on springs with energy sum k/2 u^2 + c/4 u^4 + d u: an equilibrium known by hand."""
 
     def __init__(self, k, c=0.0):

@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,10 @@ from palpate.fem_offline.pose import tangents
 
 __all__ = ["forget_organ", "solve"]
 
+VOUCHED = 0.02
+"""Far-field error (fraction of force) above which a near-field press is not taken."""
+WIDER = 1.5
+"""How much wider a patch is made before the press is done in full."""
 LATERAL_STEPS = 4
 """Equilibria of an explicit sticking move."""
 
@@ -58,6 +62,8 @@ def solve(
         Arrays of `fem_offline.press.PressRecord`, and its scalars, JSON-clean, with
 
             lateral: sticking moves.  patch: its size and quality.
+            fidelity: what vouches for the record; tried: what was pressed before, with its estimate.
+            estimate: worst far-field error of any depth (fraction of force); None where nothing tells.
             seconds, cpu_seconds: wall and CPU time.
             stages: CPU seconds by stage: organ (unpacked on first use), patch, far_field, ladder, drag.
             far_field_kept: nothing was solved on the whole organ for it; None where no far field was asked for.
@@ -65,34 +71,19 @@ def solve(
     """
     from palpate.fem_offline.deformed import deformed_patch
     from palpate.fem_offline.patch import PatchError
-    from palpate.fem_offline.press import press
-    from palpate.fem_offline.site import open_site, patch_size
 
     begun, cpu = time.perf_counter(), _cpu_time()
     restart_peak_memory()
     clock, far_fields = _StageClock(), _FarFields(Store(Path(folder)))
-    tool, tilt = solid_tool(job.tool), job.tool.tilt
-    deepest: dict[str, Any] = {}
     try:
         with clock("organ"):
             organ = _organ(mesh)
-        size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt)
-        with clock("patch"):
-            place = np.array(job.contact_point)
-            site = open_site(organ, place, tool, size, job.fidelity, far_fields, tilt)
-        with clock("ladder"):
-            record = press(
-                site,
-                tool,
-                np.array(job.depths),
-                moves=_moves(job),
-                progress=progress,
-                watch=lambda depth, found: deepest.update(depth=depth, found=found),
-            )
+        done = _press_until_vouched(organ, job, far_fields, clock, progress)
     except (PatchError, ArithmeticError) as error:
         arrays: dict[str, np.ndarray] = {"depth": np.zeros(1), "force_vector": np.zeros((1, 3))}
         values: dict[str, Any] = {"converged": False, "reason": str(error), "lateral": [], "unknowns": 0}
     else:
+        record, site = done.record, done.site
         fields = {name: getattr(record, name) for name in record.__dataclass_fields__}
         ladders, fields["sliding"] = fields.pop("lateral"), None
         arrays = {name: v for name, v in fields.items() if isinstance(v, np.ndarray)}
@@ -101,14 +92,17 @@ def solve(
             {name: np.asarray(v).tolist() for name, v in asdict(ladder).items()} for ladder in ladders
         ]
         values["patch"] = {"tets": len(site.patch.tets), "quality": site.patch.quality}
+        values["tried"] = done.tried
+        worst = record.far_field_error.max()
+        values["estimate"] = float(worst) if np.isfinite(worst) else None
         if job.drag:
             with clock("drag"):
-                values["drag"] = _dragged(site, tool, job, progress)
-        if job.shape and deepest:
-            found = deepest["found"]
+                values["drag"] = _dragged(site, solid_tool(job.tool), job, progress)
+        if job.shape and done.deepest is not None:
+            depth, found = done.deepest
             shown = deformed_patch(site, found.u, found.contact.traction)
             arrays |= {f"shape_{name}": getattr(shown, name) for name in shown.__dataclass_fields__}
-            values["shape_depth"] = deepest["depth"]
+            values["shape_depth"] = depth
     clock.moves("patch", "far_field", far_fields.cpu_seconds)
     values["seconds"] = time.perf_counter() - begun
     values["cpu_seconds"] = _cpu_time() - cpu
@@ -116,6 +110,48 @@ def solve(
     values["far_field_kept"] = far_fields.kept
     values["peak_memory"] = peak_memory()
     return arrays, values
+
+
+@dataclass(frozen=True)
+class _Pressed:
+    site: Any
+    record: Any
+    deepest: tuple[float, Any] | None
+    tried: list[dict[str, Any]]
+
+
+def _press_until_vouched(
+    organ: Any, job: PressJob, far_fields: _FarFields, clock: _StageClock, progress: Callable[[float], None]
+) -> _Pressed:
+    """Press as asked; a near field that cannot vouch for VOUCHED widens its patch, then gives way to full."""
+    from palpate.fem_offline.press import press
+    from palpate.fem_offline.site import open_site, patch_size
+
+    tool, tilt = solid_tool(job.tool), job.tool.tilt
+    size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt)
+    steps = [(job.fidelity, 1.0)]
+    if job.fidelity == "near_field":
+        steps += [("near_field", WIDER), ("full", 1.0)]
+    tried: list[dict[str, Any]] = []
+    while True:
+        fidelity, wider = steps[len(tried)]
+        wide = replace(size, radius=wider * size.radius)
+        deepest: dict[str, Any] = {}
+        with clock("patch"):
+            site = open_site(organ, np.array(job.contact_point), tool, wide, fidelity, far_fields, tilt)
+        with clock("ladder"):
+            record = press(
+                site,
+                tool,
+                np.array(job.depths),
+                moves=_moves(job),
+                progress=progress,
+                watch=lambda depth, found, seen=deepest: seen.update(depth=depth, found=found),
+            )
+        worst = float(record.far_field_error.max())
+        if fidelity != "near_field" or not worst > VOUCHED:
+            return _Pressed(site, record, (deepest["depth"], deepest["found"]) if deepest else None, tried)
+        tried.append({"fidelity": fidelity, "radius": wide.radius, "estimate": worst})
 
 
 def _cpu_time() -> float:
@@ -144,7 +180,7 @@ class _StageClock:
         try:
             yield
         finally:
-            self.seconds[stage] = _cpu_time() - begun
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + _cpu_time() - begun
 
     def moves(self, giver: str, taker: str, seconds: float) -> None:
         """`seconds` of what `giver` took were the work of `taker`."""

@@ -54,6 +54,8 @@ class Body(Protocol):
 
     def support_reaction(self, u: np.ndarray, state: ElementState) -> np.ndarray: ...
 
+    def far_field_error(self, u: np.ndarray, state: ElementState) -> float: ...
+
 
 class FreeMotion:
     """How a body moves whose components are free or held: nothing follows.

@@ -40,6 +40,10 @@ class LinearBody(NearBody):
     def hessian(self, u: np.ndarray) -> np.ndarray:
         return self.rest_values.copy() if hasattr(self, "rest_values") else super().hessian(u)
 
+    def far_field_error(self, u: np.ndarray, state: ElementState) -> float:
+        """NaN: all is linear, and how much that matters is not known without a better press."""
+        return float("nan")
+
     def couple(self, u: np.ndarray) -> np.ndarray:
         """(3,) N m; linear forces balance about nodes that have not moved."""
         force = self.tissue_state(u).force

@@ -14,7 +14,7 @@ The coordinates stand after the nodes, three to a row, so that equilibrium sees 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -24,6 +24,7 @@ from palpate.fem_offline.corotation import corotation
 from palpate.fem_offline.far_modes import FarModes
 from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
+from palpate.fem_offline.quadratic_space import QuadraticSpace, deformation_gradients
 from palpate.fem_offline.tangent import CG_ITERATIONS_STALE, Tangent
 from palpate.fem_offline.tissue import Tissue
 
@@ -131,6 +132,17 @@ def _reduction(
     )
 
 
+def _at_interface(space: QuadraticSpace, interface: np.ndarray) -> QuadraticSpace:
+    """The tetrahedra that have a node at the interface."""
+    ring = np.isin(space.elements, interface).any(axis=1)
+    return replace(
+        space,
+        elements=space.elements[ring],
+        corner_gradients=space.corner_gradients[ring],
+        volumes=space.volumes[ring],
+    )
+
+
 class NearBody(Tangent):
     """Nonlinear patch on a linear far field.
 
@@ -162,6 +174,7 @@ class NearBody(Tangent):
         super().__init__(tissue, held, nodes, self._reduce.pattern, faces)
         self.interface, self.far = interface, far
         self._turning = corotation(tissue.nodes[interface], far.trace, turning)
+        self._ring = _at_interface(tissue.space, interface)
         rows = self.pattern.row_start, self.pattern.column
         self._factors = {False: Factor(*rows, single=True), True: Factor(*rows, single=True)}
         self.set_rest()
@@ -177,6 +190,20 @@ class NearBody(Tangent):
     def angle(self, u: np.ndarray) -> float:
         """rad; how far the interface has turned at u (N, 3) m."""
         return self._turning.angle(self.coordinates(u))
+
+    def far_field_error(self, u: np.ndarray, state: ElementState) -> float:
+        """Share of the energy that the far field stores, times the strain where it begins.
+
+        What a linear far field misses is of the order of its strain, and counts as much as its energy does.  The strain
+        is |F^T F - 1| / 2 of the patch's tetrahedra at the interface, their root mean square by volume.
+        """
+        y = self.coordinates(u)
+        if not len(y) or not state.energy > 0.0:
+            return 0.0
+        F = deformation_gradients(self._ring.corner_gradients, u[self._ring.elements])
+        strain = 0.5 * np.linalg.norm(np.swapaxes(F, 1, 2) @ F - np.eye(3), axis=(1, 2))
+        mean = np.sqrt(np.average(strain**2, weights=self._ring.volumes))
+        return float(0.5 * y @ self.far.stiffness @ y / state.energy * mean)
 
     def follow(self, u: np.ndarray) -> np.ndarray:
         """u (N, 3) m with the interface where the modes' coordinates put it."""

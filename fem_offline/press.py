@@ -107,6 +107,8 @@ class PressRecord:
         energy: (K,) J stored in the tissue.  area: (K,) m2 of reference surface in contact.
         residual: (K,) |r| / |f|.  reaction_error: (K,) action against reaction, forces and moments.
         penetration: (K,) m; mean gap error where pressure acts.
+        far_field_error: (K,) estimate of what the linear far field costs, fraction of force; 0 where all is nonlinear,
+            NaN where all is linear.
         sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck, at every second depth and the deepest;
             zero at the zero state, NaN elsewhere.
         lateral: sticking lateral ladders.
@@ -126,6 +128,7 @@ class PressRecord:
     residual: np.ndarray
     reaction_error: np.ndarray
     penetration: np.ndarray
+    far_field_error: np.ndarray
     sticking_stiffness: np.ndarray
     lateral: tuple[LateralLadder, ...]
     work_mismatch: float
@@ -170,7 +173,7 @@ def press(
     ladder = Ladder.above(site, tool, settings, float(depths[-1]), friction)
     contact = ladder.contact
     zero = np.zeros(3)
-    rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
+    rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
     slid = [(0.0, 0.0, 0.0, 0.0)]
     ladders: list[LateralLadder] = []
     reason = why_not_placed(site, tool, float(depths[-1]))
@@ -195,7 +198,7 @@ def press(
             touch = found.contact
             rows.append(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
-                 touch.penetration, stiffness)
+                 touch.penetration, site.body.far_field_error(found.u, found.elastic), stiffness)
             )  # fmt: skip
             if ladder.check:
                 check = ladder.check
@@ -211,7 +214,7 @@ def press(
             reason = f"stopped before {depth * 1e3:.2f} mm: {error}; less depth, or a finer mesh"
             break
         progress(float(depth))
-    column = [np.array([row[k] for row in rows], float) for k in range(9)]
+    column = [np.array([row[k] for row in rows], float) for k in range(10)]
     return PressRecord(
         site.contact_point,
         site.normal,

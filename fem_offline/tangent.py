@@ -100,6 +100,10 @@ class Tangent(FreeMotion, ABC):
             self.renew()
         return conjugate_gradients(self.apply, self.precondition, b, tolerance, self.iterations_max)
 
+    def far_field_error(self, u: np.ndarray, state: ElementState) -> float:
+        """Estimate of how far the force is off at u (N, 3) m because something far is linear, fraction of force."""
+        return 0.0
+
     def couple(self, u: np.ndarray) -> np.ndarray:
         """(3,) N m; moment of the inner forces at u (N, 3) m: zero, but where something is linear."""
         return self.tissue.couple(u)

@@ -33,7 +33,7 @@ CAPABILITIES: dict[str, Any] = {
     "several tilts of a tool": False,
     "depth over tool radius": 1.0,
     "responses": ("potential",),
-    "fidelities": ("near_field", "full"),
+    "fidelities": ("linear", "near_field", "full"),
     "time budget": False,
     "chosen knots": True,
     "device": False,

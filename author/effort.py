@@ -17,10 +17,14 @@ from collections.abc import Iterable
 
 __all__ = ["NODES_AT_LEAST", "PRESS_SECONDS", "node_count", "press_memory", "worker_count"]
 
-PRESS_SECONDS: dict[str, float] = {"near_field": 20.0, "full": 120.0}
+PRESS_SECONDS: dict[str, float] = {"linear": 6.0, "near_field": 10.0, "full": 120.0}
 """CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core."""
 
-PRESS_MEMORY: dict[str, tuple[float, float]] = {"near_field": (0.70e9, 1250.0), "full": (0.75e9, 2200.0)}
+PRESS_MEMORY: dict[str, tuple[float, float]] = {
+    "linear": (0.70e9, 1250.0),
+    "near_field": (0.70e9, 1250.0),
+    "full": (0.75e9, 2200.0),
+}
 """A worker's peak resident set by fidelity, (m, k) in m + k T^(4/3) bytes over T tetrahedra of the organ.
 
 The power is that of a Cholesky factor's fill in three dimensions (George, "Nested dissection of a regular finite

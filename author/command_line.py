@@ -144,7 +144,9 @@ def press(
     tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="tool of the scene")],
     depth: Annotated[str, typer.Option("--depth", metavar="D", help='deepest state, such as "5 mm"')],
     lateral: Annotated[str, typer.Option("--lateral", metavar="DX,DY", help="then, sticking, aside")] = "",
-    fidelity: Annotated[str, typer.Option("--fidelity", help="linear, near_field or full; default: scene's")] = "",
+    fidelity: Annotated[
+        str, typer.Option("--fidelity", help="linear, near_field or full; default: scene's")
+    ] = "",
     drag: Annotated[bool, typer.Option("--drag", help="then drag it both ways: friction over depth")] = False,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="keeps the work, the answer and a picture")

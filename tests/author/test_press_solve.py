@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""A near-field press that cannot vouch for itself widens its patch, then is done in full, and says so."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from palpate.author import press_solve
+from palpate.author.press_jobs import PressJob
+from palpate.author.tool_stage import ToolShape
+from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.verification.blocks import block_organ
+
+BALL = ToolShape("sphere", (("radius", 3e-3),))
+JOB = PressJob((2e-3, 1e-3, 0.0), BALL, (3e-4, 6e-4), "near_field")
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    """110 mm wide: half as wide again as the widened patch."""
+    organ = block_organ((0.11, 0.11, 0.03), (11, 11, 3), {0: NeoHookean(5400.0, 0.48)})
+    return SimpleNamespace(hash="block", organ=organ)
+
+
+@pytest.fixture(scope="module")
+def near(mesh, tmp_path_factory):
+    return press_solve.solve(mesh, JOB, str(tmp_path_factory.mktemp("near")))
+
+
+def test_a_near_field_press_that_vouches_for_itself_stays_one(near):
+    _, values = near
+    assert values["converged"] and values["fidelity"] == "near_field" and values["tried"] == []
+    assert 0.0 < values["estimate"] <= press_solve.VOUCHED
+
+
+def test_one_that_cannot_widens_and_then_gives_way_to_full(mesh, near, tmp_path, monkeypatch):
+    monkeypatch.setattr(press_solve, "VOUCHED", 1e-9)
+    arrays, values = press_solve.solve(mesh, JOB, str(tmp_path))
+    assert values["converged"] and values["fidelity"] == "full" and values["estimate"] == 0.0
+    first, second = values["tried"]
+    assert first["estimate"] == pytest.approx(near[1]["estimate"], rel=1e-6)
+    assert second["radius"] == pytest.approx(1.5 * first["radius"]) and second["estimate"] < first["estimate"]
+    assert arrays["force_vector"][-1] == pytest.approx(near[0]["force_vector"][-1], rel=2e-3, abs=1e-6)
+
+
+def test_a_linear_press_has_no_estimate_and_no_way_out(mesh, near, tmp_path):
+    arrays, values = press_solve.solve(
+        mesh, PressJob(*[*(JOB.contact_point,), BALL, JOB.depths, "linear"]), str(tmp_path)
+    )
+    assert values["fidelity"] == "linear" and values["estimate"] is None and values["tried"] == []
+    force, better = arrays["force_vector"][1:, 2], near[0]["force_vector"][1:, 2]
+    assert force == pytest.approx(better, rel=0.05) and np.all(force != better)
+
+
+def test_far_fields_are_kept_for_the_next_press(mesh, near, tmp_path):
+    first = press_solve.solve(mesh, JOB, str(tmp_path))[1]
+    beside = PressJob((3e-3, 1e-3, 0.0), ToolShape("sphere", (("radius", 2e-3),)), (3e-4,), "near_field")
+    second = press_solve.solve(mesh, beside, str(tmp_path))[1]
+    assert first["far_field_kept"] is False and second["far_field_kept"] is True

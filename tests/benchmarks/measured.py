@@ -15,7 +15,7 @@ from typing import Any
 from palpate.author.mechanics import mechanics_version
 from palpate.author.press_executor import core_count
 
-__all__ = ["Measured", "machine", "record", "table"]
+__all__ = ["HEAD", "Measured", "lines", "machine", "record"]
 
 
 @dataclass(frozen=True)
@@ -53,16 +53,18 @@ def machine() -> dict[str, Any]:
 
 def _processor() -> str:
     info = Path("/proc/cpuinfo")
-    lines = info.read_text().splitlines() if info.exists() else []
-    names = [line.split(":")[1].strip() for line in lines if "model name" in line]
+    told = info.read_text().splitlines() if info.exists() else []
+    names = [line.split(":")[1].strip() for line in told if "model name" in line]
     return names[0] if names else platform.processor() or sys.platform
 
 
-def table(rows: Iterable[Measured]) -> str:
-    """Markdown."""
-    lines = ["| what | measured | asked |", "|---|---|---|"]
-    lines += [f"| {row.what} | {row.text} | {row.asked or '-'} |" for row in rows]
-    return "\n".join(lines)
+HEAD = "| what | measured | asked |\n|---|---|---|"
+"""Of a Markdown table."""
+
+
+def lines(rows: Iterable[Measured]) -> str:
+    """Of that table."""
+    return "\n".join(f"| {row.what} | {row.text} | {row.asked or '-'} |" for row in rows)
 
 
 def record(rows: Iterable[Measured], **more: Any) -> dict[str, Any]:

@@ -1,51 +1,46 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an organ's mesh costs once, and what a press costs on coarser and finer ones."""
+"""What an organ costs once, and what a press costs on coarser and finer meshes of it."""
 
 from __future__ import annotations
 
 from measured import Measured
 from setting import Setting, press_cpu
 
-from palpate.fem_offline.pose import tangents
-
 __all__ = ["organ_size"]
+
+STAGES = ("patch", "far_field", "ladder")
 
 SHARES = (1.6, 1.0, 1.0 / 1.6)
 """Of the scene's mesh size: about four times as many tetrahedra each."""
-ASIDE = 3e-3
-"""m; how far from the first contact the second one is."""
+CONTACTS = 3
 
 
 def organ_size(setting: Setting) -> list[Measured]:
     """The same contacts on the same organ in three meshes.
 
-    The first press makes what the organ needs once; the second one, nearby, may miss a few Green's functions; the third
-    is the second anew, with all of them kept.
+    The first press makes what the organ needs once; when all contacts have been pressed their Green's functions are
+    kept, and they are pressed anew.
     """
     part = "organ_size"
-    contact = setting.contacts[0]
-    _, normal = setting.mesh.distance.project(contact[None])
-    jobs = [setting.job(point) for point in (contact, *[contact + ASIDE * tangents(normal[0])[0]] * 2)]
+    jobs = [setting.job(contact) for contact in setting.contacts[:CONTACTS]]
     rows, found = [], []
     for share in SHARES:
         mesh = setting.meshed(share * setting.mesh_size)
-        first, _, again = setting.sequence(part, mesh, jobs)
-        found.append((len(mesh.tets), press_cpu(again)))
-        once = first["stages"].get("far_field", 0.0) + first["stages"]["organ"]
+        presses = setting.sequence(part, mesh, [*jobs, *jobs])
+        first, again = presses[0], presses[len(jobs) :]
+        spent = sum(map(press_cpu, again)) / len(again)
+        found.append((len(mesh.tets), spent))
+        once = first["stages"]["organ"] + first["stages"].get("far_field", 0.0)
         name = f"organ of {len(mesh.tets)} tetrahedra ({1e3 * share * setting.mesh_size:.1f} mm)"
-        rows.append(
-            Measured(part, f"{name}: one-off part, one contact's", once, f"{once:.1f} CPU s", detail=first)
-        )
-        stages = ", ".join(
-            f"{stage} {again['stages'].get(stage, 0.0):.1f}" for stage in ("patch", "far_field", "ladder")
-        )
-        text = f"{press_cpu(again):.1f} CPU s ({stages})" + (
-            "" if again["converged"] else f"; {again['reason']}"
-        )
-        if again["tried"]:
-            text += "; widened or gave way to full"
-        rows.append(Measured(part, f"{name}: a press without it", press_cpu(again), text, detail=again))
+        rows.append(Measured(part, f"{name}: one-off part of the first contact", once, f"{once:.1f} CPU s"))
+        mean = {s: sum(p["stages"].get(s, 0.0) for p in again) / len(again) for s in STAGES}
+        unknowns = sum(p["unknowns"] for p in again) / len(again)
+        told = ", ".join(f"{stage} {seconds:.1f}" for stage, seconds in mean.items())
+        text = f"{spent:.1f} CPU s ({told}); {unknowns:.0f} unknowns"
+        if strange := sum(bool(p.get("tried") or not p["converged"]) for p in again):
+            text += f"; {strange} of {len(again)} widened, gave way or failed"
+        rows.append(Measured(part, f"{name}: a press without it", spent, text, detail={"presses": presses}))
     (few, before), (many, after) = found[1:]
     growth = after / before - 1.0
     text = f"{100 * growth:+.0f} % on {many / few:.1f} times the tetrahedra"

@@ -24,9 +24,10 @@ import one_press  # noqa: E402
 import organs  # noqa: E402
 import rates  # noqa: E402
 import second_code  # noqa: E402
-from measured import Measured, machine, record, table  # noqa: E402
+from measured import HEAD, Measured, lines, machine, record  # noqa: E402
 from setting import Setting  # noqa: E402
 
+from palpate.author.errors import PalpateError  # noqa: E402
 from palpate.author.scene import load_scene  # noqa: E402
 from palpate.author.store import Store  # noqa: E402
 
@@ -62,14 +63,19 @@ def main() -> None:
     about = machine()
     print(f"{about['processor']}, {about['cores']} cores, {about['system']}; Python {about['python']}, "
           f"palpate {about['palpate']} ({about['mechanics']}); {setting.scene.name}\n")  # fmt: skip
+    print(HEAD, flush=True)
     rows: list[Measured] = []
     for part in parts:
         counted = part in ("fidelity", "workers", "tool") and given.contacts
-        rows += PARTS[part](setting, given.contacts) if counted else PARTS[part](setting)
+        found = PARTS[part](setting, given.contacts) if counted else PARTS[part](setting)
+        print(lines(found), flush=True)
+        rows += found
         if given.json:  # after each part: the last may take an hour
             given.json.write_text(json.dumps(record(rows, scene=setting.scene.name), indent=1))
-    print(table(rows))
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except PalpateError as error:
+        sys.exit(str(error))

@@ -76,7 +76,7 @@ def workers(setting: Setting, contacts: int = 12) -> list[Measured]:
         Measured(part, f"{SIDE} contacts on two workers, far field kept", side, f"{side:.0f} min", "20 min")
     )
     failed = [press["reason"] for press in runs["2"]["presses"] if not press["converged"]]
-    gave_way = sum(bool(press["tried"]) for press in runs["2"]["presses"])
+    gave_way = sum(bool(press.get("tried")) for press in runs["2"]["presses"])
     text = f"{len(failed)}, {gave_way} of {len(jobs)}"
     rows.append(
         Measured(

@@ -20,7 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from palpate.author.organ_stage import mesh_organ
-from palpate.author.press_jobs import PressJob, PressOutcome, press_executor, run_jobs
+from palpate.author.press_executor import press_executor
+from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
 from palpate.author.sampling import farthest_points, reach_samples
 from palpate.author.scene import load_scene
 from palpate.author.scene_tables import Reach
@@ -62,7 +63,8 @@ def _row(near: PressOutcome, full: PressOutcome) -> dict:
         "near": near.values["reason"] or "converged",
         "full": full.values["reason"] or "converged",
         "estimate": near.values.get("estimate"),
-        "angle": near.values.get("angle"),
+        "ended_as": near.values["fidelity"] if near.converged else None,
+        "tried": near.values.get("tried", []),
         "near_cpu": near.values["cpu_seconds"],
         "full_cpu": full.values["cpu_seconds"],
     }
@@ -99,6 +101,12 @@ def main() -> None:
         print(
             f"{name}: deepest p50 {p50:.2f} %, p95 {p95:.2f} %, worst of all depths {100 * worst.max():.2f} %"
         )
+    full_in_the_end = sum(row["ended_as"] == "full" for row in both)
+    widened = sum(bool(row["tried"]) for row in both) - full_in_the_end
+    print(f"near-field presses that widened their patch: {widened}; that gave way to full: {full_in_the_end}")
+    known = [row for row in both if row["estimate"]]
+    most = max(max(row["normal_error"][-1], row["lateral_error"][-1]) / row["estimate"] for row in known)
+    print(f"error over its own estimate, at the deepest: at most {most:.2f}")
     near, full = (sum(row[key] for row in both) for key in ("near_cpu", "full_cpu"))
     print(f"CPU seconds, meshing and far fields included: near {near:.0f}, full {full:.0f}")
 

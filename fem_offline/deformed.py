@@ -15,10 +15,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from palpate.fem_offline.contact import SIX_POINT_RULE, ContactSurface
-from palpate.fem_offline.quadratic_space import FACE_EDGES, deformation_gradients, quadratic_space
+from palpate.fem_offline.quadratic_space import (
+    CENTRE_RULE,
+    FACE_EDGES,
+    quadratic_space,
+    shape_gradients_barycentric,
+)
 from palpate.fem_offline.site import Site
 
-__all__ = ["DeformedPatch", "deformed_patch", "nodal_pressure"]
+__all__ = ["DeformedPatch", "deformation_gradients", "deformed_patch", "nodal_pressure"]
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,13 @@ def deformed_patch(site: Site, u: np.ndarray, traction: np.ndarray) -> DeformedP
         np.linalg.det(F),
         nodal_pressure(site.surface, traction, count),
     )
+
+
+def deformation_gradients(corner_gradients: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """(T, 3, 3); F at the centres, corner_gradients (T, 4, 3) 1/m and u (T, 10, 3) m of each tetrahedron."""
+    rule = shape_gradients_barycentric(CENTRE_RULE)[0]
+    gradients = np.einsum("ai,tij->taj", rule, corner_gradients)
+    return np.eye(3) + np.einsum("tai,taj->tij", u, gradients)
 
 
 def nodal_pressure(surface: ContactSurface, traction: np.ndarray, node_count: int) -> np.ndarray:

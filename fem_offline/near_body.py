@@ -14,7 +14,7 @@ The coordinates stand after the nodes, three to a row, so that equilibrium sees 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
@@ -24,7 +24,6 @@ from palpate.fem_offline.corotation import corotation
 from palpate.fem_offline.far_modes import FarModes
 from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
-from palpate.fem_offline.quadratic_space import QuadraticSpace, deformation_gradients
 from palpate.fem_offline.tangent import CG_ITERATIONS_STALE, Tangent
 from palpate.fem_offline.tissue import Tissue
 
@@ -132,17 +131,6 @@ def _reduction(
     )
 
 
-def _at_interface(space: QuadraticSpace, interface: np.ndarray) -> QuadraticSpace:
-    """The tetrahedra that have a node at the interface."""
-    ring = np.isin(space.elements, interface).any(axis=1)
-    return replace(
-        space,
-        elements=space.elements[ring],
-        corner_gradients=space.corner_gradients[ring],
-        volumes=space.volumes[ring],
-    )
-
-
 class NearBody(Tangent):
     """Nonlinear patch on a linear far field.
 
@@ -174,7 +162,6 @@ class NearBody(Tangent):
         super().__init__(tissue, held, nodes, self._reduce.pattern, faces)
         self.interface, self.far = interface, far
         self._turning = corotation(tissue.nodes[interface], far.trace, turning)
-        self._ring = _at_interface(tissue.space, interface)
         rows = self.pattern.row_start, self.pattern.column
         self._factors = {False: Factor(*rows, single=True), True: Factor(*rows, single=True)}
         self.set_rest()
@@ -192,18 +179,15 @@ class NearBody(Tangent):
         return self._turning.angle(self.coordinates(u))
 
     def far_field_error(self, u: np.ndarray, state: ElementState) -> float:
-        """Share of the energy that the far field stores, times the strain where it begins.
+        """Share of the energy that the far field stores, times the angle (rad) by which its border has turned.
 
-        What a linear far field misses is of the order of its strain, and counts as much as its energy does.  The strain
-        is |F^T F - 1| / 2 of the patch's tetrahedra at the interface, their root mean square by volume.
+        Straining is no trouble so far from the contact; what one rotation for the whole far field leaves is, and counts
+        as much as the far field's energy does (DECISIONS.md has the measurements).
         """
         y = self.coordinates(u)
         if not len(y) or not state.energy > 0.0:
             return 0.0
-        F = deformation_gradients(self._ring.corner_gradients, u[self._ring.elements])
-        strain = 0.5 * np.linalg.norm(np.swapaxes(F, 1, 2) @ F - np.eye(3), axis=(1, 2))
-        mean = np.sqrt(np.average(strain**2, weights=self._ring.volumes))
-        return float(0.5 * y @ self.far.stiffness @ y / state.energy * mean)
+        return float(0.5 * y @ self.far.stiffness @ y / state.energy) * self.angle(u)
 
     def follow(self, u: np.ndarray) -> np.ndarray:
         """u (N, 3) m with the interface where the modes' coordinates put it."""

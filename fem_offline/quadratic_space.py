@@ -19,7 +19,6 @@ __all__ = [
     "FACE_EDGES",
     "FOUR_POINT_RULE",
     "QuadraticSpace",
-    "deformation_gradients",
     "face_shape",
     "quadratic_space",
     "shape_gradients_barycentric",
@@ -147,10 +146,3 @@ def quadratic_space(points: np.ndarray, tets: np.ndarray) -> QuadraticSpace:
     corner_gradients = np.concatenate([-inverse_edges.sum(axis=1, keepdims=True), inverse_edges], axis=1)
     edge_nodes = np.concatenate([unique, mid_nodes[:, None]], axis=1)
     return QuadraticSpace(nodes, elements, corner_gradients, volumes, edge_nodes)
-
-
-def deformation_gradients(corner_gradients: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """(T, 3, 3); F at the centres, corner_gradients (T, 4, 3) 1/m and u (T, 10, 3) m of each tetrahedron."""
-    rule = shape_gradients_barycentric(CENTRE_RULE)[0]
-    gradients = np.einsum("ai,tij->taj", rule, corner_gradients)
-    return np.eye(3) + np.einsum("tai,taj->tij", u, gradients)

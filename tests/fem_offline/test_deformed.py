@@ -5,10 +5,10 @@
 import numpy as np
 import pytest
 
-from palpate.fem_offline.deformed import deformed_patch, nodal_pressure
+from palpate.fem_offline.deformed import deformation_gradients, deformed_patch, nodal_pressure
 from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.press import press
-from palpate.fem_offline.quadratic_space import deformation_gradients, quadratic_space
+from palpate.fem_offline.quadratic_space import quadratic_space
 from palpate.fem_offline.site import open_site, patch_size
 from palpate.fem_offline.tool import Sphere
 from palpate.fem_offline.verification.blocks import block_organ

@@ -59,7 +59,7 @@ def test_only_the_near_field_turns(body, moved):
     assert (body.angle(moved) > 1e-3) == (not isinstance(body, LinearBody))
 
 
-def test_the_estimate_grows_with_strain_and_energy(body, moved):
+def test_the_estimate_grows_with_the_angle(body, moved):
     small, large = (body.far_field_error(s * moved, body.state(body.follow(s * moved))) for s in (0.1, 1.0))
     if isinstance(body, LinearBody):
         assert np.isnan(small) and np.isnan(large)

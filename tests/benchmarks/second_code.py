@@ -7,7 +7,7 @@ both codes solve all of it, nonlinear.  The large one is refined around the cont
 CalculiX solves all of it, palpate's near field has it linear and condensed outside the patch.
 
 Counted, in CPU seconds: palpate's ladder (its sticking stiffness at every second depth included), once the mesh and the
-far field are there; CalculiX' whole process (deck read, presses, forces written) with its package's default solver.
+far field are there; CalculiX' whole process (deck read, presses, forces written) with its package's solver (SPOOLES).
 Set-up and the far field's one-off part of palpate stand beside it.
 """
 

@@ -9,7 +9,7 @@ on one component of one node.  One factorisation of the organ serves every conta
 to the rest of the organ, it does through forces inside the patch, and so through a combination of these (far_modes.py).
 
 Forces stand at nodes about LOAD_SPACING apart, chosen by the mesh alone; they are solved and kept in blocks, cubes of
-BLOCK, each with the displacements that patches of one radius around it can ask for.
+BLOCK, each with the displacements that patches around it can ask for.
 """
 
 from __future__ import annotations
@@ -28,8 +28,10 @@ LOAD_SPACING = 7.0e-3
 """m; of the cubes that have one loaded node each."""
 BLOCK = 2.0 * LOAD_SPACING
 """m; edge of the cubes that are solved at once."""
-WITHIN = 0.7
-"""Forces stand this share of a patch's radius around the contact."""
+PATCH = 30.0e-3
+"""m; patches up to this radius, of whatever tool, share blocks."""
+WITHIN = 14.0e-3
+"""m; how far around a contact forces stand for such patches."""
 
 _ONE_AT_A_TIME = threading.Lock()
 """A factor's handle serves one thread at a time; presses may run in several."""
@@ -79,17 +81,23 @@ def cells_around(organ: Organ, centre: np.ndarray, radius: float) -> Iterator[tu
 
 def sight(organ: Organ, radius: float) -> float:
     """m; how far from a block's middle patches of a radius (m) reach: half the block, the way from force to contact,
-    the patch, and two tetrahedra; in steps of 10 mm, so that tools of about one size share blocks."""
+    the patch, and two tetrahedra; in steps of 10 mm."""
     a, b, _ = organ.space.edge_nodes.T
     edges = np.linalg.norm(organ.space.nodes[a] - organ.space.nodes[b], axis=1)
-    reach = 0.5 * np.sqrt(3.0) * BLOCK + (1.0 + WITHIN) * radius + 2.0 * float(np.percentile(edges, 99))
+    patch = max(radius, PATCH)
+    reach = 0.5 * np.sqrt(3.0) * BLOCK + _within(patch) + patch + 2.0 * float(np.percentile(edges, 99))
     return 10e-3 * float(np.ceil(reach / 10e-3))
+
+
+def _within(radius: float) -> float:
+    """m; how far around a contact the forces of a patch of this radius (m) stand."""
+    return WITHIN * max(1.0, radius / PATCH)
 
 
 def blocks_around(organ: Organ, centre: np.ndarray, radius: float, store: GreenStore) -> Iterator[GreenBlock]:
     """Blocks with the forces for a patch of `radius` (m) around a contact (3,) m."""
     seen = sight(organ, radius)
-    for cell, loaded in cells_around(organ, centre, WITHIN * radius):
+    for cell, loaded in cells_around(organ, centre, _within(radius)):
         yield store(cell, seen, lambda loaded=loaded: green_block(organ, loaded, seen))
 
 

@@ -21,6 +21,7 @@ before copying constants.  Equations, sources and code: constitutive.py and what
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -58,7 +59,7 @@ def lame_parameters(youngs_modulus: float, poissons_ratio: float) -> tuple[float
     return mu, kappa
 
 
-class Material:
+class Material(ABC):
     """An isotropic material; every model of this file is one.
 
     Attributes:
@@ -70,16 +71,16 @@ class Material:
     poissons_ratio: float
 
     @property
-    def shear_modulus(self) -> float:
-        raise NotImplementedError
+    @abstractmethod
+    def shear_modulus(self) -> float: ...
 
     @property
-    def model(self) -> int:
-        raise NotImplementedError
+    @abstractmethod
+    def model(self) -> int: ...
 
     @property
-    def constants(self) -> tuple[float, ...]:
-        raise NotImplementedError
+    @abstractmethod
+    def constants(self) -> tuple[float, ...]: ...
 
     @property
     def bulk_modulus(self) -> float:

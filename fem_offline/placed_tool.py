@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
 from functools import cached_property, lru_cache
 from typing import Protocol
@@ -46,7 +47,7 @@ class Solid(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlacedTool:
+class PlacedTool(ABC):
     """A solid with an axis and a tip; what the shapes of this library have in common.
 
     Attributes:
@@ -58,8 +59,8 @@ class PlacedTool:
     tip: tuple[float, float, float] | None = None
 
     @property
-    def solid(self) -> Solid:
-        raise NotImplementedError
+    @abstractmethod
+    def solid(self) -> Solid: ...
 
     @cached_property
     def _turn(self) -> np.ndarray:

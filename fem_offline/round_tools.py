@@ -54,8 +54,25 @@ def _rounded_cylinder(radius: float, length: float, r: float) -> Revolved:
     return Revolved(tuple(corners), r)
 
 
+class _RoundedRod(PlacedTool):
+    """A standing cylinder with rounded edges."""
+
+    radius: float
+    edge_radius: float | None
+    length: float
+
+    def __post_init__(self) -> None:
+        _positive(radius=self.radius, length=self.length)
+        _ = self.solid
+
+    @cached_property
+    def solid(self) -> Revolved:
+        r = _edge(self.radius, self.edge_radius, self.length)
+        return _rounded_cylinder(self.radius, self.length, r)
+
+
 @dataclass(frozen=True)
-class FlatPunch(PlacedTool):
+class FlatPunch(_RoundedRod):
     """A round, flat-ended punch with a rounded edge, on a shaft as wide as itself.
 
     Attributes:
@@ -68,18 +85,9 @@ class FlatPunch(PlacedTool):
     edge_radius: float | None = None
     length: float = SHAFT
 
-    def __post_init__(self) -> None:
-        _positive(radius=self.radius, length=self.length)
-        _ = self.solid
-
-    @cached_property
-    def solid(self) -> Revolved:
-        r = _edge(self.radius, self.edge_radius, self.length)
-        return _rounded_cylinder(self.radius, self.length, r)
-
 
 @dataclass(frozen=True)
-class Cylinder(PlacedTool):
+class Cylinder(_RoundedRod):
     """A cylinder with rounded edges: standing with the axis key along z, lying with it across.
 
     Attributes:
@@ -90,15 +98,6 @@ class Cylinder(PlacedTool):
     radius: float
     length: float
     edge_radius: float | None = None
-
-    def __post_init__(self) -> None:
-        _positive(radius=self.radius, length=self.length)
-        _ = self.solid
-
-    @cached_property
-    def solid(self) -> Revolved:
-        r = _edge(self.radius, self.edge_radius, self.length)
-        return _rounded_cylinder(self.radius, self.length, r)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ class PressJob:
         contact_point: (3,) m.
         tool: and how it is held.
         depths: (K - 1,) m, rising, without 0.
-        fidelity: "near_field" or "full".
+        fidelity: "linear", "near_field" or "full".
         moves: tangential sticking moves: depth index -> how far, as a share of the reachable stretch mu f / k
             in a direction at `angle` from the first tangent.
         friction: mu, for the reachable stretch and for dragging.

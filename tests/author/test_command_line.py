@@ -175,7 +175,7 @@ def test_wrong_arguments_end_with_2_and_still_one_json_object(
         (["--at", "0,0,3 kPa", "--depth", "3 mm"], "--at"),
         (["--at", "0,0,0", "--depth", "-3 mm"], "--depth"),
         (["--at", "-10 mm,0,0.04", "--depth", "3 mm", "--lateral", "1 mm"], "--lateral"),
-        (["--at", "-0.01,0,0.04", "--depth", "0.003", "--fidelity", "linear"], "--fidelity"),
+        (["--at", "-0.01,0,0.04", "--depth", "0.003", "--fidelity", "lineal"], "--fidelity"),
     ],
 )
 def test_a_press_tells_which_option_is_wrong(

@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +32,6 @@ __all__ = ["forget_organ", "solve"]
 
 VOUCHED = 0.02
 """Far-field error (fraction of force) above which a near-field press is not taken."""
-WIDER = 1.5
-"""How much wider a patch is made before the press is done in full."""
 LATERAL_STEPS = 4
 """Equilibria of an explicit sticking move."""
 
@@ -123,22 +121,18 @@ class _Pressed:
 def _press_until_vouched(
     organ: Any, job: PressJob, far_fields: _FarFields, clock: _StageClock, progress: Callable[[float], None]
 ) -> _Pressed:
-    """Press as asked; a near field that cannot vouch for VOUCHED widens its patch, then gives way to full."""
+    """Press as asked; a near field that cannot vouch for VOUCHED gives way to full."""
     from palpate.fem_offline.press import press
     from palpate.fem_offline.site import open_site, patch_size
 
     tool, tilt = solid_tool(job.tool), job.tool.tilt
     size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt)
-    steps = [(job.fidelity, 1.0)]
-    if job.fidelity == "near_field":
-        steps += [("near_field", WIDER), ("full", 1.0)]
     tried: list[dict[str, Any]] = []
     while True:
-        fidelity, wider = steps[len(tried)]
-        wide = replace(size, radius=wider * size.radius)
+        fidelity = "full" if tried else job.fidelity
         deepest: dict[str, Any] = {}
         with clock("patch"):
-            site = open_site(organ, np.array(job.contact_point), tool, wide, fidelity, far_fields, tilt)
+            site = open_site(organ, np.array(job.contact_point), tool, size, fidelity, far_fields, tilt)
         with clock("ladder"):
             record = press(
                 site,
@@ -151,7 +145,7 @@ def _press_until_vouched(
         worst = float(record.far_field_error.max())
         if fidelity != "near_field" or not worst > VOUCHED:
             return _Pressed(site, record, (deepest["depth"], deepest["found"]) if deepest else None, tried)
-        tried.append({"fidelity": fidelity, "radius": wide.radius, "estimate": worst})
+        tried.append({"fidelity": fidelity, "estimate": worst})
 
 
 def _cpu_time() -> float:

@@ -102,8 +102,7 @@ def main() -> None:
             f"{name}: deepest p50 {p50:.2f} %, p95 {p95:.2f} %, worst of all depths {100 * worst.max():.2f} %"
         )
     full_in_the_end = sum(row["ended_as"] == "full" for row in both)
-    widened = sum(bool(row["tried"]) for row in both) - full_in_the_end
-    print(f"near-field presses that widened their patch: {widened}; that gave way to full: {full_in_the_end}")
+    print(f"near-field presses that gave way to full: {full_in_the_end}")
     known = [row for row in both if row["estimate"]]
     most = max(max(row["normal_error"][-1], row["lateral_error"][-1]) / row["estimate"] for row in known)
     print(f"error over its own estimate, at the deepest: at most {most:.2f}")

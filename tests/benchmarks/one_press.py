@@ -37,10 +37,9 @@ def fidelity(setting: Setting, contacts: int = 3) -> list[Measured]:
         jobs = [setting.job(contact, name) for name in ("near_field", *FIDELITIES)]
         first, *presses = setting.sequence(part, setting.mesh, jobs)
         found.append({"first": first, **dict(zip(FIDELITIES, presses, strict=True))})
-    # a near field that gave way to full is no near field's ladder; one that widened is, and pays for both patches
+    # a near field that gave way to full is no near field's ladder
     used = [f for f in found if all(f[n]["converged"] and f[n]["fidelity"] == n for n in FIDELITIES)]
-    widened = sum(bool(f["near_field"]["tried"]) for f in used)
-    text = f"{len(used)} of {len(found)}; {widened} widened"
+    text = f"{len(used)} of {len(found)}"
     rows = [Measured(part, "contacts that converged at each fidelity", len(used), text)]
     for name in FIDELITIES:
         climbed = middle(f[name]["stages"]["ladder"] for f in used)

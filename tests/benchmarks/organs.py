@@ -39,7 +39,7 @@ def organ_size(setting: Setting) -> list[Measured]:
         told = ", ".join(f"{stage} {seconds:.1f}" for stage, seconds in mean.items())
         text = f"{spent:.1f} CPU s ({told}); {unknowns:.0f} unknowns"
         if strange := sum(bool(p.get("tried") or not p["converged"]) for p in again):
-            text += f"; {strange} of {len(again)} widened, gave way or failed"
+            text += f"; {strange} of {len(again)} gave way to full or failed"
         rows.append(Measured(part, f"{name}: a press without it", spent, text, detail={"presses": presses}))
     (few, before), (many, after) = found[1:]
     growth = after / before - 1.0

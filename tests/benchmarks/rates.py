@@ -81,7 +81,7 @@ def workers(setting: Setting, contacts: int = 12) -> list[Measured]:
     rows.append(
         Measured(
             part,
-            "presses that failed; that widened or gave way",
+            "presses that failed; that gave way to full",
             len(failed),
             text,
             detail={"reasons": failed},

@@ -114,6 +114,7 @@ def _forces(
         (block, np.flatnonzero(np.isin(block.loaded, inside)))
         for block in blocks_around(organ, centre, radius, store)
     ]
+    found = [(block, use) for block, use in found if np.isin(asked, block.node).all()]
     if sum(len(use) for _, use in found) >= LOADS_LEAST:
         return [(block, use) for block, use in found if len(use)]
     free = np.setdiff1d(inside, organ.held_nodes)

@@ -96,3 +96,12 @@ def test_forces_stand_apart_and_on_free_nodes(supported_block):
     loaded = loaded_nodes(supported_block)
     assert len(np.unique(loaded)) == len(loaded) and not np.isin(loaded, supported_block.held_nodes).any()
     assert len(loaded) < 0.8 * supported_block.space.node_count
+
+
+def test_functions_that_do_not_see_the_whole_patch_are_not_used(supported_block, carved, exact, monkeypatch):
+    """Long tetrahedra can reach beyond what is kept; the patch then has functions of its own."""
+    monkeypatch.setattr("palpate.fem_offline.green.sight", lambda organ, radius: 0.011)
+    modes = far_modes(supported_block, *carved, CENTRE, RADIUS, unkept)
+    elastic = modes.trace[:, :-RIGID]
+    there = elastic.T @ exact @ elastic
+    assert np.abs(there - modes.stiffness[:-RIGID, :-RIGID]).max() < 1e-10 * np.abs(there).max()

@@ -20,9 +20,11 @@ import numpy as np
 
 from palpate.author.console import plain
 from palpate.author.errors import PalpateError
+from palpate.author.mechanics import mechanics_version
 from palpate.author.memory import peak_memory, restart_peak_memory
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob
+from palpate.author.scene_types import digest
 from palpate.author.store import Result, Store
 from palpate.author.tool_stage import solid_tool
 from palpate.fem_offline.far_modes import FarModes
@@ -185,6 +187,8 @@ class _StageClock:
 class _FarFields:
     """Far fields through a store: what they cost (CPU seconds), and whether the whole organ was left alone.
 
+    They are kept by organ and mechanics, as presses are: other code may make others.
+
     Attributes:
         kept: None where no far field was asked for; False where one was made that takes the whole organ.
     """
@@ -196,6 +200,7 @@ class _FarFields:
         self._making = 0
 
     def __call__(self, kind: type, key: str, make: Callable[[], Any]) -> Any:
+        key = digest({"far_field": key, "mechanics": mechanics_version()})
         begun = _cpu_time()
         self._making += 1  # making one may ask for others, whose time is in its own
         try:

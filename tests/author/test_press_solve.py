@@ -58,3 +58,9 @@ def test_far_fields_are_kept_for_the_next_press(mesh, near, tmp_path):
     beside = PressJob((3e-3, 1e-3, 0.0), ToolShape("sphere", (("radius", 2e-3),)), (3e-4,), "near_field")
     second = press_solve.solve(mesh, beside, str(tmp_path))[1]
     assert first["far_field_kept"] is False and second["far_field_kept"] is True
+
+
+def test_far_fields_of_other_mechanics_are_made_anew(mesh, tmp_path, monkeypatch):
+    assert press_solve.solve(mesh, JOB, str(tmp_path))[1]["far_field_kept"] is False
+    monkeypatch.setattr(press_solve, "mechanics_version", lambda: "another")
+    assert press_solve.solve(mesh, JOB, str(tmp_path))[1]["far_field_kept"] is False

@@ -11,7 +11,7 @@ from palpate.author.errors import InputError, InputProblem
 from palpate.author.scene import Scene, load_scene
 from palpate.author.units import QuantityError, quantity
 
-__all__ = ["existing", "fidelity_named", "lengths", "ready_scene"]
+__all__ = ["existing", "fidelity_named", "lengths", "one_way_to_press", "ready_scene"]
 
 
 def ready_scene(path: Path) -> Scene:
@@ -54,3 +54,16 @@ def _number(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
+
+
+def one_way_to_press(workers: int | None, scheduler: str, device: str, batch: int | None) -> None:
+    """Refuse options that say where presses run in two ways.  Raises InputError."""
+    if scheduler and workers:
+        what, expected = "is for this machine's processes", "either --workers or --scheduler"
+        raise InputError(InputProblem("", "--workers", workers, what, expected))
+    if scheduler and device:
+        what, expected = "is for this machine's processes", "either --device or --scheduler"
+        raise InputError(InputProblem("", "--device", device, what, expected))
+    if batch and not device:
+        what, expected = "says nothing without a device", "--device cuda, or cpu, beside it"
+        raise InputError(InputProblem("", "--batch", batch, what, expected))

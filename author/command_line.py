@@ -14,11 +14,12 @@ import sys
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
-from palpate.author.arguments import existing, fidelity_named, lengths, ready_scene
+from palpate.author.answer_lines import author_lines, certify_lines, percentiles, replay_lines
+from palpate.author.arguments import existing, fidelity_named, lengths, one_way_to_press, ready_scene
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 
@@ -110,15 +111,7 @@ def author(
     def work() -> Answer:
         from palpate.author.progress import ConsoleProgress
 
-        if scheduler and workers:
-            what, expected = "is for this machine's processes", "either --workers or --scheduler"
-            raise InputError(InputProblem("", "--workers", workers, what, expected))
-        if scheduler and device:
-            what, expected = "is for this machine's processes", "either --device or --scheduler"
-            raise InputError(InputProblem("", "--device", device, what, expected))
-        if batch and not device:
-            what, expected = "says nothing without a device", "--device cuda, or cpu, beside it"
-            raise InputError(InputProblem("", "--batch", batch, what, expected))
+        one_way_to_press(workers, scheduler, device, batch)
         ready = ready_scene(scene)
         from palpate.author.pipeline import author as authored
 
@@ -132,7 +125,7 @@ def author(
                 device=device,
                 batch=batch,
             )
-        return Answer(result, [_error_lines(result)], 0 if result["tolerance_met"] else 1)
+        return Answer(result, [author_lines(result)], 0 if result["tolerance_met"] else 1)
 
     _end(work, as_json)
 
@@ -210,7 +203,7 @@ def validate(
 
         with ConsoleProgress() as progress:
             result = validated(asset, points=points, seed=seed, tool=tool or None, progress=progress)
-        shown = "\n".join(f"{key}: {_percentiles(result[key])}" for key in ("force_error", "lateral_error"))
+        shown = "\n".join(f"{key}: {percentiles(result[key])}" for key in ("force_error", "lateral_error"))
         return Answer(result, [shown], 0 if result["met"] else 1)
 
     _end(work, as_json)
@@ -271,7 +264,7 @@ def replay(
         from palpate.author.replay import replay as replayed
 
         result = replayed(field, trace, out, friction=friction, force_max=force_max)
-        return Answer(result, [_replay_lines(result)])
+        return Answer(result, [replay_lines(result)])
 
     _end(work, as_json)
 
@@ -320,14 +313,16 @@ def certify(
             mass=mass,
             simulate=simulate,
         )
-        return Answer(result, [_certify_lines(result)], 0 if result["met"] else 1)
+        return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)
 
     _end(work, as_json)
 
 
 @app.command()
 def verify(
-    everything: Annotated[bool, typer.Option("--all", help="the slow rows too: some five minutes")] = False,
+    everything: Annotated[
+        bool, typer.Option("--all", help="the slow rows too: a quarter of an hour")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Hold the finite elements against what is known, row by row."""
@@ -366,51 +361,6 @@ def schema() -> None:
 
 def _end(work: Callable[[], Answer], as_json: bool) -> None:
     raise typer.Exit(answer_of(work, as_json, _TYPED.get()))
-
-
-def _error_lines(result: dict[str, Any]) -> str:
-    lines = [f"{result['asset']}: {result['seconds']:.0f} s, {result['cpu_seconds']:.0f} s of CPU"]
-    for tool in result["tools"]:
-        presses = f"{tool['presses']} presses ({tool['failed']} failed), {tool['nodes']} nodes"
-        size = f"{tool['bytes'] / 1024:.0f} KiB"
-        lines.append(f"{tool['name']}: {presses}, {size}; force error {_percentiles(tool['force_error'])}")
-    lines.append("tolerance met" if result["tolerance_met"] else "tolerance NOT met")
-    return "\n".join(lines)
-
-
-def _replay_lines(result: dict[str, Any]) -> str:
-    names = (
-        "work_in",
-        "organ_work",
-        "stored_energy",
-        "dissipated_friction",
-        "dissipated_rule",
-        "hold_leak",
-        "balance_error",
-    )
-    lines = [f"{result['ticks']} ticks, {result['seconds']:.3g} s, at most {result['force_max_seen']:.3g} N"]
-    lines += [f"{name}: {result[name]:.6g} J" for name in names]
-    return "\n".join(lines + [f"{count} ticks: {sentence}" for sentence, count in result["status"].items()])
-
-
-def _certify_lines(result: dict[str, Any]) -> str:
-    lines = [
-        f"{result['field']}: stiffness up to {result['stiffness_max']:.4g} N/m",
-        f"damping needed: {result['damping_needed']:.3g} N s/m",
-        f"dry friction needed: {result['dry_friction_needed']:.3g} N",
-        f"places rendered without a hum: {100 * result['share']:.1f} %",
-    ]
-    for row in result.get("simulated", ()):
-        ends = "rests" if row["rests"] else "never rests"
-        lines.append(
-            f"simulated, damping {row['damping_over_bound']:.2f} of the bound at {row['stiffness']:.3g} N/m: {ends} "
-            f"({1e3 * row['speed_early']:.3g} mm/s, later {1e3 * row['speed_late']:.3g} mm/s)"
-        )
-    return "\n".join([*lines, result["sentence"]])
-
-
-def _percentiles(error: dict[str, float]) -> str:
-    return ", ".join(f"{key} {100 * error[key]:.2f} %" for key in ("p50", "p95", "max"))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Answers as people read them on a terminal, a few lines each; JSON has all that is in them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+__all__ = ["author_lines", "certify_lines", "percentiles", "replay_lines"]
+
+
+def author_lines(result: dict[str, Any]) -> str:
+    """Of what `palpate author` found (pipeline.py)."""
+    lines = [f"{result['asset']}: {result['seconds']:.0f} s, {result['cpu_seconds']:.0f} s of CPU"]
+    for tool in result["tools"]:
+        presses = f"{tool['presses']} presses ({tool['failed']} failed), {tool['nodes']} nodes"
+        size = f"{tool['bytes'] / 1024:.0f} KiB"
+        lines.append(f"{tool['name']}: {presses}, {size}; force error {percentiles(tool['force_error'])}")
+    lines.append("tolerance met" if result["tolerance_met"] else "tolerance NOT met")
+    return "\n".join(lines)
+
+
+def replay_lines(result: dict[str, Any]) -> str:
+    """Of what `palpate replay` found (replay.py)."""
+    names = (
+        "work_in",
+        "organ_work",
+        "stored_energy",
+        "dissipated_friction",
+        "dissipated_rule",
+        "hold_leak",
+        "balance_error",
+    )
+    lines = [f"{result['ticks']} ticks, {result['seconds']:.3g} s, at most {result['force_max_seen']:.3g} N"]
+    lines += [f"{name}: {result[name]:.6g} J" for name in names]
+    return "\n".join(lines + [f"{count} ticks: {sentence}" for sentence, count in result["status"].items()])
+
+
+def certify_lines(result: dict[str, Any]) -> str:
+    """Of what `palpate certify` found (certify.py)."""
+    lines = [
+        f"{result['field']}: stiffness up to {result['stiffness_max']:.4g} N/m",
+        f"damping needed: {result['damping_needed']:.3g} N s/m",
+        f"dry friction needed: {result['dry_friction_needed']:.3g} N",
+        f"places rendered without a hum: {100 * result['share']:.1f} %",
+    ]
+    for row in result.get("simulated", ()):
+        ends = "rests" if row["rests"] else "never rests"
+        lines.append(
+            f"simulated, damping {row['damping_over_bound']:.2f} of the bound at {row['stiffness']:.3g} N/m: {ends} "
+            f"({1e3 * row['speed_early']:.3g} mm/s, later {1e3 * row['speed_late']:.3g} mm/s)"
+        )
+    return "\n".join([*lines, result["sentence"]])
+
+
+def percentiles(error: dict[str, float]) -> str:
+    """An error's p50, p95 and max (fractions) in percent."""
+    return ", ".join(f"{key} {100 * error[key]:.2f} %" for key in ("p50", "p95", "max"))

@@ -23,7 +23,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from palpate.author.errors import InputError, InputProblem, PalpateError
-from palpate.author.press_executor import core_count, interrupts_held, one_blas_thread, start_worker
+from palpate.author.press_executor import core_count, interrupts_held, left_by_none, start_worker
 
 __all__ = ["PRESSES_A_CORE", "BatchProcesses", "batch_executor", "device_named", "threads_by_process"]
 
@@ -78,15 +78,8 @@ def batch_executor(
         threads: of each process, from `threads_by_process`.
         tell: gets a sentence when a process had to be followed by a smaller one.
     """
-    with one_blas_thread():
-        executor = BatchProcesses(device, threads, tell)
-        try:
-            yield executor
-        except BaseException:
-            executor.stop()
-            raise
-        else:
-            executor.shutdown()
+    with left_by_none(lambda: BatchProcesses(device, threads, tell)) as executor:
+        yield executor
 
 
 class BatchProcesses(Executor):

@@ -18,7 +18,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from palpate.author.effort import press_memory, worker_count
 from palpate.author.errors import PalpateError
@@ -29,6 +29,7 @@ __all__ = [
     "core_count",
     "fitting_workers",
     "interrupts_held",
+    "left_by_none",
     "one_blas_thread",
     "press_executor",
     "start_worker",
@@ -64,8 +65,26 @@ def press_executor(
         workers: one for each core when absent.
         tell: gets a sentence when workers had to be given up.
     """
+    with left_by_none(lambda: PressProcesses(workers or core_count(), tell)) as executor:
+        yield executor
+
+
+class Stoppable(Protocol):
+    """An executor whose processes can be ended at once."""
+
+    def stop(self) -> None: ...
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None: ...
+
+
+Stopped = TypeVar("Stopped", bound=Stoppable)
+
+
+@contextmanager
+def left_by_none(make: Callable[[], Stopped]) -> Iterator[Stopped]:
+    """An executor of processes with one BLAS thread; stopped at once where what it is used for ends badly."""
     with one_blas_thread():
-        executor = PressProcesses(workers or core_count(), tell)
+        executor = make()
         try:
             yield executor
         except BaseException:

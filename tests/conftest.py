@@ -1,8 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""`--run-slow` also runs the tests marked slow."""
+"""`--run-slow` also runs the tests marked slow.  BLAS libraries use one thread, as in the processes that press."""
+
+import os
 
 import pytest
+
+os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import signal
+import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,3 +54,18 @@ def deadly_once(mesh: AnyOrgan, job: PressJob, folder: str):
         died.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return quick(mesh, job, folder)
+
+
+def meets(others: int, folder: str) -> list[int]:
+    """Ends when as many threads of this process are in it at once."""
+    path = Path(folder) / f"{os.getpid()}-{threading.get_ident()}"
+    path.touch()
+    end = time.monotonic() + 20.0
+    while len(list(Path(folder).iterdir())) < others:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+    return [os.getpid(), threading.get_ident()]
+
+
+def raises(text: str) -> None:
+    raise ValueError(text)

@@ -4,13 +4,12 @@
 
 import os
 import signal
-import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
-from stand_in_solvers import AnyOrgan, deadly, deadly_once, jobs, quick
+from stand_in_solvers import AnyOrgan, deadly, deadly_once, jobs, meets, quick, raises
 
 from palpate.author.batch_executor import batch_executor, device_named, threads_by_process
 from palpate.author.command_line import main
@@ -23,21 +22,6 @@ from palpate.author.store import Store
 from palpate.author.tool_stage import shape_of
 
 ORGAN = AnyOrgan()
-
-
-def meets(others: int, folder: str) -> list[int]:
-    """Ends when as many threads of this process are in it at once."""
-    path = Path(folder) / f"{os.getpid()}-{threading.get_ident()}"
-    path.touch()
-    end = time.monotonic() + 20.0
-    while len(list(Path(folder).iterdir())) < others:
-        assert time.monotonic() < end
-        time.sleep(0.01)
-    return [os.getpid(), threading.get_ident()]
-
-
-def raises(text: str) -> None:
-    raise ValueError(text)
 
 
 def test_each_thread_of_each_process_has_a_press_of_its_own(tmp_path: Path) -> None:

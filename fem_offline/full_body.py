@@ -23,7 +23,7 @@ from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.patch import Patch
 from palpate.fem_offline.quadratic_space import QuadraticSpace
-from palpate.fem_offline.tangent import CG_ITERATIONS_STALE, Tangent
+from palpate.fem_offline.tangent import FactoredTangent, Tangent
 from palpate.fem_offline.tissue import Tissue
 
 __all__ = ["FullBody"]
@@ -31,7 +31,7 @@ __all__ = ["FullBody"]
 CG_ITERATIONS_FULL = 80
 
 
-class _CondensedBody(Tangent):
+class _CondensedBody(FactoredTangent):
     """The patch's own Hessian on the condensed far field; it only preconditions.
 
     Args:
@@ -41,8 +41,6 @@ class _CondensedBody(Tangent):
         far: condensed far field.
         faces: (B, 6) faces that may touch.
     """
-
-    iterations_max = CG_ITERATIONS_STALE
 
     def __init__(
         self, tissue: Tissue, held: np.ndarray, interface: np.ndarray, far: FarField, faces: np.ndarray
@@ -54,24 +52,12 @@ class _CondensedBody(Tangent):
         upper = r <= c
         self._far_places = self.pattern.places(r[upper], c[upper])
         self._far_values = far.stiffness[upper]
-        rows = self.pattern.row_start, self.pattern.column
-        self._factors = {False: Factor(*rows, single=True), True: Factor(*rows, single=True)}
         self.set_rest()
-
-    @property
-    def factors(self) -> dict[bool, Factor]:
-        return self._factors
 
     def hessian(self, u: np.ndarray) -> np.ndarray:
         values = self.tissue.hessian(u, self.pattern)
         values[self._far_places] += self._far_values
         return values
-
-    def renew(self) -> None:
-        self._factors[self.stuck].factorise(self.values)
-
-    def precondition(self, r: np.ndarray) -> np.ndarray:
-        return self._factors[self.stuck].solve(r)
 
 
 def _fixed(tissue: Tissue, held: np.ndarray) -> np.ndarray:

@@ -20,7 +20,7 @@ from palpate.fem_offline.hessian_pattern import HessianPattern
 from palpate.fem_offline.linear_solver import Factor
 from palpate.fem_offline.tissue import Tissue
 
-__all__ = ["CG_ITERATIONS_STALE", "Tangent"]
+__all__ = ["CG_ITERATIONS_STALE", "FactoredTangent", "Tangent"]
 
 CG_ITERATIONS_STALE = 16
 """More iterations than this cost more than a new factor."""
@@ -117,3 +117,26 @@ class Tangent(FreeMotion, ABC):
         moment = np.cross(self.nodes[self.held], force).sum(axis=0) - self.couple(u)
         held = np.concatenate([force.sum(axis=0), moment])
         return held + self.tissue.ground_reaction(u)
+
+
+class FactoredTangent(Tangent, ABC):
+    """Systems preconditioned by factors of their own Hessian, in single precision: the residuals are double."""
+
+    iterations_max = CG_ITERATIONS_STALE
+
+    def __init__(
+        self, tissue: Tissue, held: np.ndarray, nodes: np.ndarray, pattern: HessianPattern, faces: np.ndarray
+    ) -> None:
+        super().__init__(tissue, held, nodes, pattern, faces)
+        rows = pattern.row_start, pattern.column
+        self._factors = {stuck: Factor(*rows, single=True) for stuck in (False, True)}
+
+    @property
+    def factors(self) -> dict[bool, Factor]:
+        return self._factors
+
+    def renew(self) -> None:
+        self._factors[self.stuck].factorise(self.values)
+
+    def precondition(self, r: np.ndarray) -> np.ndarray:
+        return self._factors[self.stuck].solve(r)

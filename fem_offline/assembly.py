@@ -54,7 +54,9 @@ POINT_COUNT = wp.constant(len(FOUR_POINT_RULE))
 QUARTER = wp.constant(wp.float64(0.25))
 
 mat10x3 = wp.types.matrix(shape=(10, 3), dtype=wp.float64)
-mat30x30 = wp.types.matrix(shape=(30, 30), dtype=wp.float64)
+mat3x10 = wp.types.matrix(shape=(3, 10), dtype=wp.float64)
+mat12x10 = wp.types.matrix(shape=(12, 10), dtype=wp.float64)
+mat108x10 = wp.types.matrix(shape=(108, 10), dtype=wp.float64)
 
 
 @wp.struct
@@ -93,6 +95,16 @@ def deformation_gradient(dN: mat10x3, s: Elements, e: int, u: wp.array(dtype=wp.
     F = wp.identity(n=3, dtype=wp.float64)
     for a in range(10):
         F += wp.outer(u[s.first_node + s.elements[e, a]], wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2]))
+    return F
+
+
+@wp.func
+def gradient_of(U: mat3x10, D: mat12x10, q: int) -> wp.mat33d:
+    """F = I + U D^T at point q."""
+    F = wp.identity(n=3, dtype=wp.float64)
+    for i in range(3):
+        for k in range(3):
+            F[i, k] = F[i, k] + wp.dot(U[i], D[3 * q + k])
     return F
 
 
@@ -168,56 +180,62 @@ def hessian(
     k = wp.lower_bound(end, item + 1)
     s = systems[k]
     e = item - end[k] + s.elements.shape[0]
+    U = mat3x10()
+    for a in range(10):
+        x = u[s.first_node + s.elements[e, a]]
+        for i in range(3):
+            U[i, a] = x[i]
+    D = mat12x10()  # gradients; row 3 q + k: of all nodes along k at point q
+    g = mat3x10()  # derivative of the mean J - 1
+    h = mat3x10()  # of the mean tr(F - 1)
     j_mean = wp.vec2d()
-    g = mat10x3()  # derivative of the mean J - 1
-    h = mat10x3()  # of the mean tr(F - 1)
     for q in range(POINT_COUNT):
-        dN = shape_gradients(rule, q, s.corner_gradients, e)
-        F = deformation_gradient(dN, s, e, u)
+        for a in range(10):
+            slope = wp.vec3d()
+            for i in range(4):
+                slope += s.corner_gradients[e, i] * rule[q, a, i]
+            for i in range(3):
+                D[3 * q + i, a] = slope[i]
+        F = gradient_of(U, D, q)
         j_mean += volume_strain(F) * QUARTER
         C = cofactor(F) * QUARTER
-        for a in range(10):
-            slope = C * wp.vec3d(dN[a, 0], dN[a, 1], dN[a, 2])
-            for i in range(3):
-                g[a, i] = g[a, i] + slope[i]
-                h[a, i] = h[a, i] + QUARTER * dN[a, i]
+        for i in range(3):
+            g[i] = g[i] + D[3 * q] * C[i, 0] + D[3 * q + 1] * C[i, 1] + D[3 * q + 2] * C[i, 2]
+            h[i] = h[i] + D[3 * q + i] * QUARTER
     kappa = mean_kappa(s.table, s.fraction, e)
     p = wp.cw_mul(kappa, j_mean)
     weight = s.volumes[e] * QUARTER
-    K = mat30x30()
+    T = mat108x10()  # row 12 (3 i + j) + 3 q + k: sum_l A_ikjl(q) grad_l N_b
     for q in range(POINT_COUNT):
-        dN = shape_gradients(rule, q, s.corner_gradients, e)
-        F = deformation_gradient(dN, s, e, u)
+        F = gradient_of(U, D, q)
         A = mean_tangent(F, p) * weight  # A[3 i + k, 3 j + l] = w d P_ik / d F_jl
         for m in range(s.table.shape[0]):
             if s.fraction[e, m] != wp.float64(0.0):
                 A += tangent(F, s.table, m) * (weight * s.fraction[e, m])
-        for b in range(10):
-            for j in range(3):
-                for i in range(3):
-                    t0 = wp.float64(0.0)
-                    t1 = wp.float64(0.0)
-                    t2 = wp.float64(0.0)
-                    for l in range(3):
-                        d = dN[b, l]
-                        t0 += A[3 * i, 3 * j + l] * d
-                        t1 += A[3 * i + 1, 3 * j + l] * d
-                        t2 += A[3 * i + 2, 3 * j + l] * d
-                    for a in range(b + 1):
-                        K[3 * a + i, 3 * b + j] = (
-                            K[3 * a + i, 3 * b + j] + dN[a, 0] * t0 + dN[a, 1] * t1 + dN[a, 2] * t2
-                        )
-    kappa = kappa * s.volumes[e]
-    for a in range(10):
         for i in range(3):
-            r = 3 * a + i
-            for c in range(r, 30):
-                at = s.entry[e, r * 30 + c]
-                if at >= 0:
-                    b = c // 3
-                    n = c - 3 * b
-                    mean = kappa[0] * g[a, i] * g[b, n] + kappa[1] * h[a, i] * h[b, n]
-                    wp.atomic_add(values, s.first_value + at, K[r, c] + mean)
+            for j in range(i, 3):
+                for n in range(3):
+                    T[12 * (3 * i + j) + 3 * q + n] = (
+                        D[3 * q] * A[3 * i + n, 3 * j]
+                        + D[3 * q + 1] * A[3 * i + n, 3 * j + 1]
+                        + D[3 * q + 2] * A[3 * i + n, 3 * j + 2]
+                    )
+    kappa = kappa * s.volumes[e]
+    n_entry = wp.int32(0)
+    for i in range(3):
+        for j in range(i, 3):
+            for a in range(10):
+                row = g[j] * (kappa[0] * g[i, a]) + h[j] * (kappa[1] * h[i, a])
+                for n in range(12):
+                    row += T[12 * (3 * i + j) + n] * D[n, a]
+                first = 0
+                if i == j:
+                    first = a
+                for b in range(first, 10):
+                    at = s.entry[e, n_entry]
+                    if at >= 0:
+                        wp.atomic_add(values, s.first_value + at, row[b])
+                    n_entry += 1
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-__all__ = ["HessianPattern", "hessian_pattern"]
+__all__ = ["ELEMENT_ENTRIES", "HessianPattern", "hessian_pattern"]
+
+
+ELEMENT_ENTRIES = [
+    (i, j, a, b)
+    for i in range(3)
+    for j in range(i, 3)
+    for a in range(10)
+    for b in range(a if i == j else 0, 10)
+]
+"""K_ai,bj of a quadratic tetrahedron, each pair once, in the order in which the kernel adds them (assembly.py)."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +35,7 @@ class HessianPattern:
         equation: (3 N,) int; equation of each displacement component, -1 where fixed.
         equation_count: number of free equations.
         row_start: (n + 1,) int; column: (nnz,) int; diagonal present in every row.
-        entry: (T, 900) int32; place of each element entry, -1 where fixed or below the diagonal.
+        entry: (T, 465) int32; place of each entry of an element's Hessian in `ELEMENT_ENTRIES`, -1 where fixed.
     """
 
     equation: np.ndarray
@@ -136,21 +146,20 @@ def hessian_pattern(
 
 
 def _entries(elements: np.ndarray, pairs: _NodePairs, row_start: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """(T, 900) int32.  The kernel adds K[r, c] for local r <= c once; it goes to the global upper triangle."""
-    size = elements.shape[1]
-    entry = np.full((len(elements), size, 3, size, 3), -1, np.int32)
-    for a in range(size):
-        for b in range(a, size):
-            A, B = elements[:, a].astype(np.int64), elements[:, b].astype(np.int64)
-            position = pairs.positions(np.minimum(A, B), np.maximum(A, B))
-            for i in range(3):
-                for j in range(i if a == b else 0, 3):
-                    if a == b:
-                        at = row_start[3 * A + i] + (j - i)
-                    else:  # the row is the lower node's component
-                        swapped = A > B
-                        row = np.where(swapped, 3 * B + j, 3 * A + i)
-                        own, other = np.where(swapped, j, i), np.where(swapped, i, j)
-                        at = row_start[row] + (3 - own) + 3 * (position - 1) + other
-                    entry[:, a, i, b, j] = place[at]
-    return entry.reshape(len(elements), 9 * size**2)
+    """(T, 465) int32.  Each goes to the global upper triangle."""
+    entry = np.full((len(elements), len(ELEMENT_ENTRIES)), -1, np.int32)
+    position: dict[tuple[int, int], np.ndarray] = {}
+    for n, (i, j, a, b) in enumerate(ELEMENT_ENTRIES):
+        A, B = elements[:, a].astype(np.int64), elements[:, b].astype(np.int64)
+        if a == b:
+            at = row_start[3 * A + i] + (j - i)
+        else:  # the row is the lower node's component
+            between = min(a, b), max(a, b)
+            if between not in position:
+                position[between] = pairs.positions(np.minimum(A, B), np.maximum(A, B))
+            swapped = A > B
+            row = np.where(swapped, 3 * B + j, 3 * A + i)
+            own, other = np.where(swapped, j, i), np.where(swapped, i, j)
+            at = row_start[row] + (3 - own) + 3 * (position[between] - 1) + other
+        entry[:, n] = place[at]
+    return entry

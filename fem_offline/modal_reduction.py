@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from palpate.fem_offline.hessian_pattern import HessianPattern, hessian_pattern
+from palpate.fem_offline.hessian_pattern import ELEMENT_ENTRIES, HessianPattern, hessian_pattern
 
 __all__ = ["ModalReduction", "modal_reduction"]
 
@@ -112,7 +112,7 @@ def modal_reduction(
     place[order] = np.arange(len(order))
     start = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=total))]).astype(np.int32)
     pattern = HessianPattern(
-        equation, total, start, column[order].astype(np.int32), np.zeros((0, 900), np.int32)
+        equation, total, start, column[order].astype(np.int32), np.zeros((0, len(ELEMENT_ENTRIES)), np.int32)
     )
     ends = np.cumsum([np.count_nonzero(both), len(coupled) * modes])
     own_to, coupled_to, modal = np.split(place, ends)

@@ -136,12 +136,13 @@ std::uint32_t tick_on_organ(palpate_session& s, const palpate_tool_state& state,
     const double q[3] = {s.q[0], s.q[1], s.q[2]};
     const bool had_q = s.has_q;
     const std::uint32_t status = tick(s, seen, out);
-    if (usable && had_q && c.has_tool) {
+    const bool rendered = usable && (status & PALPATE_TICK_BAD_INPUT) == 0;  // not further from its organ than a tool can be
+    if (rendered && had_q && c.has_tool) {
         for (int a = 0; a < 3; ++a) relative -= force[a] * (s.q[a] - q[a]);
         s.books.work_in += hand - relative;
         s.books.organ_work += relative - hand;
     }
-    c.has_tool = usable;
+    c.has_tool = rendered;
     if (c.posed) {
         turn_to_world(c.now, out.force);
         turn_to_world(c.now, out.torque);
@@ -152,7 +153,7 @@ std::uint32_t tick_on_organ(palpate_session& s, const palpate_tool_state& state,
     out.work_in = s.books.work_in;
     out.organ_work = s.books.organ_work;
     for (int a = 0; a < 3; ++a) {
-        if (usable) c.tool[a] = tool[a];
+        if (rendered) c.tool[a] = tool[a];
         c.force[a] = out.force[a];
     }
     return status;

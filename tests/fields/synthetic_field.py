@@ -175,6 +175,13 @@ def thin_slab(thickness: float = 6e-3) -> ResponseField:
     )
 
 
+def small_plane() -> ResponseField:
+    """The plane in 5 kB, coarse: whole enough to be pressed, small enough for a fuzzer to change most of it."""
+    return synthetic_field(
+        low=(-12e-3, -12e-3, -8e-3), high=(12e-3, 12e-3, 12e-3), geometry_spacing=4e-3, amplitude_spacing=6e-3
+    )
+
+
 def three_ways() -> bytes:
     """The plane, cooked for three tilts: upright; half as stiff and 0.2 mm shorter at cosine 0.8; three times as
     stiff and 0.5 mm shorter at 0.5."""
@@ -191,7 +198,7 @@ def three_ways() -> bytes:
     return cook(first, [(0.8, scaled(0.5, 4.8e-3)), (0.5, scaled(3.0, 4.5e-3))])
 
 
-FIELDS = {"plane": synthetic_field, "sphere": sphere_organ, "slab": thin_slab}
+FIELDS = {"plane": synthetic_field, "sphere": sphere_organ, "slab": thin_slab, "small": small_plane}
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1])

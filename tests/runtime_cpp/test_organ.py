@@ -189,6 +189,21 @@ def test_a_pose_that_is_not_one_releases_until_the_tool_was_outside(plane, name,
     assert session.tick((-4e-3, 0, 3e-3))["status"] == Tick.WAITING
 
 
+def test_a_tool_further_from_its_organ_than_any_can_be_releases_and_no_work_is_booked(plane):
+    """Both places are usable by themselves; where the hand went is not known to the session."""
+    session = Session(plane.field, CONFIG)
+    before = session.tick_batch(
+        np.linspace((-4e-3, 0, 8e-3), (-4e-3, 0, 3e-3), 500), organ_positions=np.zeros(3)
+    )[-1]
+    r = session.tick_batch(np.array([[900.0, 0, 3e-3]]), organ_positions=(-900.0, 0, 0))[0]
+    assert r["status"] == Tick.BAD_INPUT and not r["force"].any() and r["stored_energy"] == 0
+    assert r["work_in"] == before["work_in"] and r["organ_work"] == before["organ_work"]
+    given = r["work_in"] + r["organ_work"] + r["hold_leak"]
+    assert given == pytest.approx(r["dissipated_friction"] + r["dissipated_rule"], abs=ROUNDING)
+    back = session.tick_batch(np.array([[-4e-3, 0, 3e-3]]), organ_positions=np.zeros(3))[0]
+    assert back["status"] == Tick.WAITING and back["work_in"] == r["work_in"]
+
+
 def test_an_organ_that_begins_to_move_under_a_pressed_tool_has_its_work_counted(plane):
     session = Session(plane.field, CONFIG)
     x = press_and_drag()

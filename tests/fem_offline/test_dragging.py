@@ -79,7 +79,8 @@ def record(site):
 
 def test_a_block_under_a_sliding_plane_resists_with_mu_times_the_load():
     """Coulomb's law bounds friction at each point (test_coulomb.py: to rounding); the sum falls short by the points
-    that do not slide in the last step (0.4 % of the area) or slide sideways: measured 3e-4."""
+    that do not slide in the last step or slide sideways: measured 2e-4 to 7e-4.  Those points are 0.4 to 1.1 % of the
+    area, and which they are changes when the depth changes by 1e-12 of itself; a step before, all slid."""
     plane = Plane()
     # nu = 0: nothing spreads sideways as it is pressed, so that friction points straight back everywhere
     site = small_site(plane, replace(patch_size(plane, 1e-3, radius=1.0), finest=8e-3), nu=0.0)
@@ -93,7 +94,7 @@ def test_a_block_under_a_sliding_plane_resists_with_mu_times_the_load():
     assert record.effective[0, 0] == pytest.approx(MU, rel=1e-3)
     for path in record.paths:
         load = path.force_vector @ site.normal
-        assert path.sliding[-1] > 0.99
+        assert path.sliding.max() > 0.999 and path.sliding[-1] > 0.98
         assert path.resistance[-1] == pytest.approx(MU * load[-1], rel=1e-3)
 
 

@@ -32,6 +32,24 @@ radius = "5 mm"
 """
 
 
+CUBE = """
+[scene]
+name = "cube"
+
+[organ]
+surface = "cube.stl"
+mesh_size = "8 mm"
+
+[[organ.support]]
+box = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 0.001] }
+
+[[tool]]
+name = "ball"
+shape = "sphere"
+radius = "5 mm"
+"""
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Surfaces: block.stl (100 x 80 x 40 mm on z = 0, in m), liver.obj and grasper.stl (the same block)."""
@@ -56,6 +74,17 @@ def write_scene(folder: Path) -> Callable[..., Path]:
         return path
 
     return write
+
+
+@pytest.fixture(scope="session")
+def cube(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scene file: a block of 40 x 40 x 20 mm on its base."""
+    folder = tmp_path_factory.mktemp("cube")
+    block = trimesh.creation.box((0.04, 0.04, 0.02))
+    block.apply_translation((0.0, 0.0, 0.01))
+    block.export(folder / "cube.stl")
+    (folder / "scene.toml").write_text(CUBE)
+    return folder / "scene.toml"
 
 
 @pytest.fixture

@@ -18,7 +18,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import trimesh
 from stand_in_solvers import BALL, AnyOrgan, jobs, quick
 
 from palpate.author import cluster
@@ -83,25 +82,8 @@ def worker(address: str, folder: Path, code: str = "") -> Iterator[subprocess.Po
 
 
 @pytest.fixture(scope="module")
-def organ(tmp_path_factory: pytest.TempPathFactory) -> OrganMesh:
-    """A block of 40 x 40 x 20 mm on its base."""
-    folder = tmp_path_factory.mktemp("cube")
-    block = trimesh.creation.box((0.04, 0.04, 0.02))
-    block.apply_translation((0.0, 0.0, 0.01))
-    block.export(folder / "cube.stl")
-    (folder / "scene.toml").write_text("""
-        scene.name = "cube"
-        [organ]
-        surface = "cube.stl"
-        mesh_size = "8 mm"
-        [[organ.support]]
-        box = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 0.001] }
-        [[tool]]
-        name = "ball"
-        shape = "sphere"
-        radius = "5 mm"
-    """)
-    return mesh_organ(load_scene(folder / "scene.toml"), Store(folder / "work"))
+def organ(cube: Path, tmp_path_factory: pytest.TempPathFactory) -> OrganMesh:
+    return mesh_organ(load_scene(cube), Store(tmp_path_factory.mktemp("work")))
 
 
 @pytest.fixture(scope="module")

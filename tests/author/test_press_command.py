@@ -9,40 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 
 from palpate.author.command_line import main
 from palpate.author.errors import InputError
 from palpate.author.press_command import PressFiles
 
-SCENE = """
-[scene]
-name = "cube"
-
-[organ]
-surface = "cube.stl"
-mesh_size = "8 mm"
-
-[[organ.support]]
-box = { min = [-1.0, -1.0, -1.0], max = [1.0, 1.0, 0.001] }
-
-[[tool]]
-name = "ball"
-shape = "sphere"
-radius = "5 mm"
-"""
 AT = ["--at", "2 mm,1 mm,0.02", "--tool", "ball", "--depth", "1.5 mm", "--lateral", "0.05 mm,0"]
-
-
-@pytest.fixture(scope="module")
-def cube(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A scene file: a block of 40 x 40 x 20 mm on its base."""
-    folder = tmp_path_factory.mktemp("cube")
-    block = trimesh.creation.box((0.04, 0.04, 0.02))
-    block.apply_translation((0.0, 0.0, 0.01))
-    block.export(folder / "cube.stl")
-    (folder / "scene.toml").write_text(SCENE)
-    return folder / "scene.toml"
 
 
 @pytest.fixture(scope="module")

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """A press in palpate and in CalculiX, on the same quadratic tetrahedra, at the same depths, one thread each.
 
-A sphere of 5 mm on neo-Hookean blocks on their base.  The small block is refined all over, as palpate refines a patch:
-both codes solve all of it, nonlinear.  The large one is refined around the contact alone, the mesh of a full press:
-CalculiX solves all of it, palpate's near field has it linear and condensed outside the patch.
+A sphere of 5 mm on neo-Hookean blocks on their base, and the scene's tool on its organ where they are a sphere and
+neo-Hookean.  The small block is refined all over, as palpate refines a patch: both codes solve all of it, nonlinear.
+The large one and the organ are refined around the contact alone, the mesh of a full press: CalculiX solves all of it,
+palpate's near field has it linear and condensed outside the patch.
 
 Counted, in CPU seconds: palpate's ladder (its sticking stiffness at every second depth included), once the mesh and the
 far field are there; CalculiX' whole process (deck read, presses, forces written) with its package's solver (SPOOLES).
@@ -24,6 +25,7 @@ import numpy as np
 from measured import Measured
 from setting import Setting
 
+from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_executor import press_executor
 from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.press import press
@@ -46,7 +48,40 @@ class Block:
     name: str
     size: tuple[float, float, float]
     cells: tuple[int, int, int]
-    radius: float | None
+    patch_radius: float | None
+    radius: float = BALL.radius
+
+    @property
+    def key(self) -> Any:
+        return asdict(self)
+
+    def site(self, deepest: float, fidelity: str, refinement: float = 1.0) -> Site:
+        organ = block_organ(self.size, self.cells, {0: TISSUE})
+        chosen = {"radius": self.patch_radius} if self.patch_radius else {}
+        size = patch_size(BALL, deepest, refinement=refinement, **chosen)
+        return open_site(organ, np.zeros(3), BALL, size, fidelity)
+
+
+@dataclass(frozen=True)
+class OnOrgan:
+    """The scene's organ (neo-Hookean, no capsule), a contact (m) and a sphere's radius (m)."""
+
+    mesh: OrganMesh
+    contact: tuple[float, float, float]
+    radius: float
+
+    @property
+    def name(self) -> str:
+        return f"the scene's organ of {len(self.mesh.tets)} tetrahedra"
+
+    @property
+    def key(self) -> Any:
+        return [self.mesh.hash, self.contact, self.radius]
+
+    def site(self, deepest: float, fidelity: str, refinement: float = 1.0) -> Site:
+        ball = Sphere(self.radius)
+        size = patch_size(ball, deepest, refinement=refinement)
+        return open_site(self.mesh.organ, np.array(self.contact), ball, size, fidelity)
 
 
 BLOCKS = (
@@ -60,17 +95,30 @@ def calculix(setting: Setting, deepest: float = 0.5, count: int = 5) -> list[Mea
     """Rows; depths: `count`, evenly spaced, to `deepest` (in sphere radii)."""
     if shutil.which("ccx") is None:
         return [Measured("calculix", "CalculiX is not installed", float("nan"), "-", "at least 50")]
-    depths = tuple(map(float, BALL.radius * deepest * np.arange(1, count + 1) / count))
     rows = []
-    for chosen in BLOCKS:
+    for chosen in (*BLOCKS, *_on_organ(setting)):
+        depths = tuple(map(float, chosen.radius * deepest * np.arange(1, count + 1) / count))
         found = setting.kept(
-            "calculix", [asdict(chosen), depths], lambda chosen=chosen: _both(setting, chosen, depths)
+            "calculix",
+            [chosen.key, depths],
+            lambda chosen=chosen, depths=depths: _both(setting, chosen, depths),
         )
         rows += _rows(chosen, found, f"{count} depths to {deepest:g} R")
     return rows
 
 
-def _both(setting: Setting, chosen: Block, depths: tuple[float, ...]) -> dict[str, Any]:
+def _on_organ(setting: Setting) -> list[OnOrgan]:
+    """The setting's organ, where CalculiX' deck can say what it and its tool are."""
+    mesh, tool = setting.mesh, setting.tool
+    organ = mesh.organ
+    plain = all(isinstance(m, NeoHookean) for m in organ.material.values()) and len(organ.material) == 1
+    if not plain or organ.capsule or organ.elastic or tool.shape != "sphere":
+        return []
+    contact = tuple(map(float, setting.contacts[0]))
+    return [OnOrgan(mesh, contact, dict(tool.parameters)["radius"])]
+
+
+def _both(setting: Setting, chosen: Block | OnOrgan, depths: tuple[float, ...]) -> dict[str, Any]:
     with press_executor(1) as executor:
         executor.submit(press_block, BLOCKS[0], depths[:1], 0.6).result()  # compiles kernels
         ours = executor.submit(press_block, chosen, depths).result()
@@ -89,7 +137,7 @@ def _both(setting: Setting, chosen: Block, depths: tuple[float, ...]) -> dict[st
     }
 
 
-def _rows(chosen: Block, found: dict[str, Any], way: str) -> list[Measured]:
+def _rows(chosen: Block | OnOrgan, found: dict[str, Any], way: str) -> list[Measured]:
     part, ours, theirs = "calculix", found["ours"], found["theirs"]
     count = len(found["their_force"])
     ratio = theirs / ours["ladder"]
@@ -119,12 +167,14 @@ def _rows(chosen: Block, found: dict[str, Any], way: str) -> list[Measured]:
     ]
 
 
-def press_block(chosen: Block, depths: tuple[float, ...], refinement: float = 1.0) -> dict[str, Any]:
+def press_block(
+    chosen: Block | OnOrgan, depths: tuple[float, ...], refinement: float = 1.0
+) -> dict[str, Any]:
     """A near-field press: CPU seconds and forces."""
     begun = time.process_time()
-    site = _site(chosen, depths, "near_field", refinement)
+    site = chosen.site(depths[-1], "near_field", refinement)
     opened = time.process_time()
-    found = press(site, BALL, np.array(depths))
+    found = press(site, Sphere(chosen.radius), np.array(depths))
     if not found.converged:
         raise RuntimeError(found.reason)
     estimate = float(found.far_field_error.max())
@@ -137,24 +187,25 @@ def press_block(chosen: Block, depths: tuple[float, ...], refinement: float = 1.
     }
 
 
-def deck_of(chosen: Block, depths: tuple[float, ...]) -> tuple[str, SolidPress]:
+def deck_of(chosen: Block | OnOrgan, depths: tuple[float, ...]) -> tuple[str, SolidPress]:
     """CalculiX' deck of the mesh that a full press has."""
-    site = _site(chosen, depths, "full")
+    site = chosen.site(depths[-1], "full")
     space = site.body.tissue.space
     held = np.flatnonzero((site.body.equation[: 3 * space.node_count].reshape(-1, 3) < 0).all(axis=1))
     faces = site.surface.faces[:, :3]
+    (material,) = chosen.mesh.organ.material.values() if isinstance(chosen, OnOrgan) else (TISSUE,)
     given = SolidPress(
-        space.nodes, space.elements, faces, held, TISSUE, site.contact_point, site.normal, BALL.radius, depths
+        space.nodes,
+        space.elements,
+        faces,
+        held,
+        material,
+        site.contact_point,
+        site.normal,
+        chosen.radius,
+        depths,
     )
     return solid_deck(given), given
-
-
-def _site(chosen: Block, depths: tuple[float, ...], fidelity: str, refinement: float = 1.0) -> Site:
-    organ = block_organ(chosen.size, chosen.cells, {0: TISSUE})
-    size = patch_size(
-        BALL, depths[-1], refinement=refinement, **({"radius": chosen.radius} if chosen.radius else {})
-    )
-    return open_site(organ, np.zeros(3), BALL, size, fidelity)
 
 
 def _timed(deck: str) -> dict[str, Any]:

@@ -38,12 +38,22 @@ def replay_lines(result: dict[str, Any]) -> str:
 
 def certify_lines(result: dict[str, Any]) -> str:
     """Of what `palpate certify` found (certify.py)."""
+    device = result["device"]
+    named = f"{device['name']}, " if device["name"] else ""
     lines = [
+        f"{named}{device['rate']:.4g} Hz, damping {device['damping']:.3g} N s/m"
+        + "".join(f"; taken: {clause}" for clause in device["assumed"]),
         f"{result['field']}: stiffness up to {result['stiffness_max']:.4g} N/m",
         f"damping needed: {result['damping_needed']:.3g} N s/m",
         f"dry friction needed: {result['dry_friction_needed']:.3g} N",
-        f"places rendered without a hum: {100 * result['share']:.1f} %",
+        f"places rendered without a hum: {100 * result['sampling_share']:.1f} %",
+        f"places where friction hides what an axial response leaves out: {100 * result['sliding_share']:.1f} %; "
+        f"all of them at a friction coefficient of {result['friction_needed']:.2g}",
     ]
+    if result["force_share"] is not None:
+        lines.append(
+            f"places within the device's {device['max_force']:.3g} N: {100 * result['force_share']:.1f} %"
+        )
     for row in result.get("simulated", ()):
         ends = "rests" if row["rests"] else "never rests"
         lines.append(

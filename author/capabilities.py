@@ -36,7 +36,7 @@ CAPABILITIES: dict[str, Any] = {
     "fidelities": ("linear", "near_field", "full"),
     "time budget": False,
     "chosen knots": True,
-    "device": False,
+    "device": True,
     "places": ("box", "sphere", "half_space", "surface"),
 }
 

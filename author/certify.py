@@ -12,6 +12,11 @@ sigma is the stiffness of tissue and friction spring together: the field's large
 places drawn at random for the share of the field that is rendered well.  Limits: one contact, the hand itself left out
 (it only adds damping), a device that is a mass.  `simulate` lets a device with that much damping, less and more push
 into the stiffest place that was drawn, and says whether it comes to rest.
+
+Sliding: the field pushes along the surface where its stiffness varies, |t| = |sum_r phi_r(d) grad a_r| at a normal
+force f_n.  An interpolation that leaves this push out (response = "axial", the published scheme) creates energy, which
+friction hides only where mu f_n >= |t|.  sliding_share is the share of contact where it does with the field's own mu,
+and friction_needed the mu that would hide it everywhere; the potential, which does push, needs neither.
 """
 
 from __future__ import annotations
@@ -42,17 +47,23 @@ def certify(
     quantum: float = 0.0,
     dry_friction: float = 0.0,
     mass: float = 0.05,
+    max_force: float | None = None,
+    name: str = "",
+    assumed: tuple[str, ...] = (),
     simulate: bool = False,
 ) -> dict[str, Any]:
     """Holds a device against the .rfield `field`.
 
     Args:
-        rate: Hz; damping: N s/m; delay: s; quantum: m; dry_friction: N; mass: kg (of the simulation).
+        rate: Hz; damping: N s/m; delay: s; quantum: m; dry_friction: N; mass: kg (of the simulation); max_force: N,
+            or None where it is not known; name: of the device; assumed: what nobody said of it, for the answer.
 
     Returns:
-        field, stiffness_max (N/m), damping_needed (N s/m), dry_friction_needed (N), rate_needed (Hz; None where no rate
-        is enough at this delay), share (of contact up to depth_max where both bounds hold), met, sentence; and with
-        `simulate` a list `simulated` of {damping, damping_over_bound, stiffness, speed_early, speed_late (m/s), rests}.
+        field, device ({name, rate, damping, delay, resolution, friction, max_force, assumed}), rate (Hz), stiffness_max
+        (N/m), damping_needed (N s/m), dry_friction_needed (N), rate_needed (Hz; None where no rate is enough at this
+        delay), sampling_share (of contact up to depth_max where both bounds hold), sliding_share, friction_needed (see
+        above), force_share (of contact within max_force; None without one), met, sentence; and with `simulate` a list
+        `simulated` of {damping, damping_over_bound, stiffness, speed_early, speed_late (m/s), rests}.
 
     Raises:
         InputError: the file does not open, or a number is out of range.
@@ -66,13 +77,13 @@ def certify(
         "quantum": quantum,
         "dry-friction": dry_friction,
         "mass": mass,
+        "max-force": 1.0 if max_force is None else max_force,
     }
+    positive = ("rate", "mass", "max-force")
     problems = [
-        InputProblem(
-            "", f"--{name}", value, "is not usable", "above 0" if name in ("rate", "mass") else "0 or more"
-        )
-        for name, value in given.items()
-        if not (np.isfinite(value) and value >= 0 and (value > 0 or name not in ("rate", "mass")))
+        InputProblem("", f"--{key}", value, "is not usable", "above 0" if key in positive else "0 or more")
+        for key, value in given.items()
+        if not (np.isfinite(value) and value >= 0 and (value > 0 or key not in positive))
     ]
     if not field.is_file():
         problems.append(InputProblem(str(field), "", None, "does not exist", "an .rfield"))
@@ -97,9 +108,24 @@ def certify(
     met = damping >= needed["damping_needed"] and dry_friction >= needed["dry_friction_needed"]
     result = {
         "field": str(field),
+        "device": {
+            "name": name,
+            "rate": rate,
+            "damping": damping,
+            "delay": delay,
+            "resolution": quantum,
+            "friction": dry_friction,
+            "max_force": max_force,
+            "assumed": list(assumed),
+        },
+        "rate": rate,
         "stiffness_max": sigma,
         **needed,
-        "share": float(good.mean()) if len(good) else 1.0,
+        "sampling_share": _share(good),
+        **_sliding(places),
+        "force_share": None
+        if max_force is None
+        else _share(np.linalg.norm(places["force"], axis=1) <= max_force),
         "met": bool(met),
         "sentence": _sentence(met, needed, damping, dry_friction),
     }
@@ -109,6 +135,21 @@ def certify(
         device = Device(mass=mass, rate=rate, delay=delay, quantum=quantum, dry_friction=dry_friction)
         result["simulated"] = _simulated(opened, places, device, damping)
     return result
+
+
+def _share(good: np.ndarray) -> float:
+    return float(good.mean()) if len(good) else 1.0
+
+
+def _sliding(places: np.ndarray) -> dict[str, float]:
+    """What friction would have to hide from a scheme without a push along the surface."""
+    normal, force = places["normal"], places["force"]
+    along = force - np.sum(force * normal, axis=1, keepdims=True) * normal
+    needed = np.linalg.norm(along, axis=1) / places["normal_force"]
+    return {
+        "sliding_share": _share(places["friction_coefficient"] >= needed),
+        "friction_needed": float(needed.max(initial=0.0)),
+    }
 
 
 def _sentence(met: bool, needed: dict[str, Any], damping: float, dry_friction: float) -> str:

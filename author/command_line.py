@@ -289,12 +289,16 @@ def bench(
 @app.command()
 def certify(
     field: Annotated[Path, typer.Argument(metavar="FIELD", help=".rfield")],
-    rate: Annotated[float, typer.Option("--rate", help="Hz, of the servo loop")],
-    damping: Annotated[float, typer.Option("--damping", help="N s/m, of the device")],
-    delay: Annotated[float, typer.Option("--delay", help="s, from the sample to the motors")] = 0.0,
-    quantum: Annotated[float, typer.Option("--quantum", help="m, of the encoders at the tip")] = 0.0,
-    dry_friction: Annotated[float, typer.Option("--dry-friction", help="N, of the device")] = 0.0,
-    mass: Annotated[float, typer.Option("--mass", help="kg, of the simulated device")] = 0.05,
+    scene: Annotated[
+        Path | None,
+        typer.Option("--scene", help="scene file whose [device] it is; options replace its numbers"),
+    ] = None,
+    rate: Annotated[float | None, typer.Option("--rate", help="Hz, of the servo loop")] = None,
+    damping: Annotated[float | None, typer.Option("--damping", help="N s/m, of the device")] = None,
+    delay: Annotated[float | None, typer.Option("--delay", help="s, from the sample to the motors")] = None,
+    quantum: Annotated[float | None, typer.Option("--quantum", help="m, of the encoders at the tip")] = None,
+    dry_friction: Annotated[float | None, typer.Option("--dry-friction", help="N, of the device")] = None,
+    mass: Annotated[float | None, typer.Option("--mass", help="kg, of the simulated device")] = None,
     simulate: Annotated[bool, typer.Option("--simulate", help="let simulated devices push into it")] = False,
     as_json: Json = False,
 ) -> None:
@@ -302,15 +306,28 @@ def certify(
 
     def work() -> Answer:
         from palpate.author.certify import certify as certified
+        from palpate.author.haptic_device import device_from
 
-        result = certified(
-            field,
+        device = device_from(
+            scene,
             rate=rate,
             damping=damping,
             delay=delay,
             quantum=quantum,
             dry_friction=dry_friction,
             mass=mass,
+        )
+        result = certified(
+            field,
+            rate=device.rate,
+            damping=device.damping,
+            delay=device.delay,
+            quantum=device.resolution,
+            dry_friction=device.friction,
+            mass=device.mass,
+            max_force=device.max_force,
+            name=device.name,
+            assumed=device.assumed,
             simulate=simulate,
         )
         return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)

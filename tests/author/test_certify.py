@@ -26,7 +26,7 @@ def test_the_bound_is_stiffness_times_half_a_period_and_the_delay(field, delay):
     sigma = Field.open(field).info.stiffness_max
     bound = sigma * (0.5e-3 + delay)
     just, short = (certify(field, rate=1000, damping=x * bound, delay=delay) for x in (1.001, 0.999))
-    assert just["met"] and just["share"] == 1.0 and not short["met"]
+    assert just["met"] and just["sampling_share"] == 1.0 and not short["met"]
     assert just["damping_needed"] == pytest.approx(bound)
 
 
@@ -45,12 +45,12 @@ def test_no_rate_helps_against_too_long_a_delay(field):
 def test_coarse_encoders_need_dry_friction(field):
     sigma = Field.open(field).info.stiffness_max
     short = certify(field, rate=1000, damping=100.0, quantum=1e-4, dry_friction=0.3e-4 * sigma)
-    assert not short["met"] and 0.0 < short["share"] < 1.0 and "dry friction" in short["sentence"]
+    assert not short["met"] and 0.0 < short["sampling_share"] < 1.0 and "dry friction" in short["sentence"]
     assert certify(field, rate=1000, damping=100.0, quantum=1e-4, dry_friction=0.51e-4 * sigma)["met"]
 
 
 def test_the_share_grows_with_the_damping(field):
-    shares = [certify(field, rate=1000, damping=b)["share"] for b in (0.0, 0.05, 0.2, 1e3)]
+    shares = [certify(field, rate=1000, damping=b)["sampling_share"] for b in (0.0, 0.05, 0.2, 1e3)]
     assert shares == sorted(shares) and shares[0] == 0.0 < shares[1] < shares[2] <= shares[3] == 1.0
 
 
@@ -72,7 +72,71 @@ def test_the_command_prints_one_json_object_and_its_exit_code_is_the_verdict(fie
     assert "without adding energy" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("wrong", [{"rate": 0}, {"damping": -1}, {"mass": 0}, {"delay": float("nan")}])
+NUMBERS = """
+[device]
+damping = "0.2 N s/m"
+friction = "0.05 N"
+resolution = 2e-5
+max_force = "0.3 N"
+rate = "4 kHz"
+"""
+
+
+def certified(capsys, *arguments) -> dict:
+    assert main(["certify", *map(str, arguments), "--json"]) in (0, 1)
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_scenes_device_is_certified_as_if_its_numbers_were_options(field, write_scene, capsys):
+    scene = write_scene(NUMBERS)
+    options = "--rate 4000 --damping 0.2 --dry-friction 0.05 --quantum 2e-5".split()
+    by_scene, by_options = certified(capsys, field, "--scene", scene), certified(capsys, field, *options)
+    assert by_scene["device"] == by_options["device"] | {"max_force": 0.3} and by_scene["rate"] == 4000.0
+    assert by_scene["device"]["assumed"] == ["no computation delay (--delay)"]
+    for key in ("met", "rate_needed", "damping_needed", "dry_friction_needed", "sampling_share", "sentence"):
+        assert by_scene[key] == by_options[key]
+    assert by_options["force_share"] is None and 0.0 < by_scene["force_share"] < 1.0
+
+
+def test_an_option_replaces_the_scenes_number(field, write_scene, capsys):
+    device = certified(capsys, field, "--scene", write_scene(NUMBERS), "--damping", 0.7, "--delay", "1e-5")[
+        "device"
+    ]
+    assert (device["damping"], device["delay"], device["friction"]) == (0.7, 1e-5, 0.05)
+    assert device["assumed"] == []
+
+
+def test_a_profile_without_a_damping_is_refused_by_name_and_with_one_is_certified(field, write_scene, capsys):
+    scene = write_scene('[device]\nprofile = "omega.6"\nrate = "2 kHz"\n')
+    assert main(["certify", str(field), "--scene", str(scene)]) == 2
+    told = capsys.readouterr().err
+    assert '"omega.6"' in told and "--damping in N s/m" in told and "not guessed" in told
+    result = certified(capsys, field, "--scene", scene, "--damping", 0.5)
+    assert (result["device"]["name"], result["rate"]) == ("omega.6", 2000.0)
+    assert len(result["device"]["assumed"]) == 3
+
+
+def test_a_scene_without_a_device_and_no_device_at_all_are_told_apart(field, write_scene, capsys):
+    assert main(["certify", str(field), "--scene", str(write_scene())]) == 2
+    assert "a table [device], or no --scene" in capsys.readouterr().err
+    assert main(["certify", str(field)]) == 2
+    told = capsys.readouterr().err
+    assert "--damping" in told and "--rate" in told and "--scene" in told
+
+
+def test_friction_hides_an_axial_responses_gain_where_it_exceeds_the_push_along_the_surface(field):
+    result = certify(field, rate=1000, damping=0.1)
+    assert 0.0 < result["sliding_share"] < 1.0 and result["friction_needed"] > 0.1  # the field's own mu
+    opened = Field.open(field)
+    flat = opened.sample([[-4e-3, 0.0, 3e-3]])[0]  # before the step: no push
+    assert abs(flat["force"][0]) < 1e-9
+    edge = opened.sample([[1.5e-3, 0.0, 1e-3]])[0]
+    assert abs(edge["force"][0]) / edge["normal_force"] <= result["friction_needed"] * 1.05
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"max_force": 0}, {"rate": 0}, {"damping": -1}, {"mass": 0}, {"delay": float("nan")}]
+)
 def test_a_device_that_cannot_be_is_refused(field, wrong):
-    with pytest.raises(InputError, match=next(iter(wrong))):
+    with pytest.raises(InputError, match=next(iter(wrong)).replace("_", "-")):
         certify(field, **({"rate": 1000, "damping": 0.1} | wrong))

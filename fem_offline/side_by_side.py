@@ -83,6 +83,31 @@ class Resident(ABC):
             self._rows = {id(pattern): (pattern, entry, _row_of(self._resident))}
         return self._rows[id(pattern)][2]
 
+    def _alone(self, row: np.ndarray) -> tuple[wp.array, wp.array]:
+        """What a launch of this system alone reads, kept: making a table of structs takes as long as its forces."""
+        if id(row) not in self._tables:
+            end = wp.array([self.item_count], dtype=wp.int32, device=self.device)
+            without_pattern = {key: kept for key, kept in self._tables.items() if kept[0] is self._row}
+            self._tables = {**without_pattern, id(row): (row, _table(self, [row]), end)}
+        return self._tables[id(row)][1:]
+
+
+def _table(
+    system: Resident,
+    rows: Sequence[np.ndarray],
+    nodes: np.ndarray | None = None,
+    values: np.ndarray | None = None,
+) -> wp.array:
+    """Structs of systems like `system` on its device, with where each one's nodes and values begin."""
+    table = np.zeros(len(rows), dtype=rows[0].dtype)  # concatenated, its layout would not be Warp's
+    for k, row in enumerate(rows):
+        table[k] = row[0]
+    if nodes is not None:
+        table["first_node"] = nodes
+    if values is not None:
+        table["first_value"] = values
+    return wp.array(table, dtype=system.kind, device=system.device)
+
 
 def _place(asked: Sequence[tuple[Resident, dict[str, tuple[np.ndarray, Any]], np.ndarray]]) -> list[None]:
     for system, arrays, rule in asked:
@@ -91,7 +116,7 @@ def _place(asked: Sequence[tuple[Resident, dict[str, tuple[np.ndarray, Any]], np
             setattr(resident, name, wp.array(array, dtype=dtype, device=system.device))
         system._resident, system._row = resident, _row_of(resident)
         system._rule = wp.array(rule, dtype=wp.float64, device=system.device)
-        system._rows = {}
+        system._rows, system._tables = {}, {}
     return [None] * len(asked)
 
 
@@ -139,16 +164,17 @@ class SideBySide:
         item_ends = np.cumsum([system.item_count for system in systems])
         node_ends = np.cumsum([system.node_count for system in systems])
         rows = [system._row for system in systems] if rows is None else rows
-        table = np.zeros(len(rows), dtype=rows[0].dtype)  # concatenated, its layout would not be Warp's
-        for k, row in enumerate(rows):
-            table[k] = row[0]
-        table["first_node"] = np.concatenate([[0], node_ends[:-1]])
-        if value_counts is not None:
-            table["first_value"] = np.concatenate([[0], np.cumsum(value_counts)[:-1]])
+        if len(rows) == 1:
+            table, end = systems[0]._alone(rows[0])
+        else:
+            starts = np.concatenate([[0], node_ends[:-1]])
+            values = None if value_counts is None else np.concatenate([[0], np.cumsum(value_counts)[:-1]])
+            table = _table(systems[0], rows, starts, values)
+            end = wp.array(item_ends, dtype=wp.int32, device=device)
         u = displacements[0] if len(displacements) == 1 else np.concatenate(displacements)
         return cls(
-            wp.array(table, dtype=systems[0].kind, device=device),
-            wp.array(item_ends, dtype=wp.int32, device=device),
+            table,
+            end,
             systems[0]._rule,
             wp.array(u, dtype=wp.vec3d, device=device),
             item_ends,

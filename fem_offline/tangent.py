@@ -79,6 +79,7 @@ class Tangent(FreeMotion, ABC):
         if shift:
             self.values += shift * self.rest_values
         self._upper = self.pattern.matrix(self.values)
+        self._lower = self._upper.T
         self._diagonal = self._upper.diagonal()
         self.stuck = stuck
         self.at = (u, contact, shift, stuck)
@@ -90,7 +91,7 @@ class Tangent(FreeMotion, ABC):
             self.renew()
 
     def apply(self, x: np.ndarray) -> np.ndarray:
-        return self._upper @ x + self._upper.T @ x - self._diagonal * x
+        return self._upper @ x + self._lower @ x - self._diagonal * x
 
     def solve(self, b: np.ndarray, tolerance: float) -> np.ndarray:
         """Raises NegativeCurvatureError, NotPositiveDefiniteError, StaleError."""

@@ -293,6 +293,9 @@ def certify(
         Path | None,
         typer.Option("--scene", help="scene file whose [device] it is; options replace its numbers"),
     ] = None,
+    device: Annotated[
+        str | None, typer.Option("--device", help='with a profile, such as "omega.3" or "Touch"')
+    ] = None,
     rate: Annotated[float | None, typer.Option("--rate", help="Hz, of the servo loop")] = None,
     damping: Annotated[float | None, typer.Option("--damping", help="N s/m, of the device")] = None,
     delay: Annotated[float | None, typer.Option("--delay", help="s, from the sample to the motors")] = None,
@@ -308,8 +311,9 @@ def certify(
         from palpate.author.certify import certify as certified
         from palpate.author.haptic_device import device_from
 
-        device = device_from(
+        held = device_from(
             scene,
+            name=device,
             rate=rate,
             damping=damping,
             delay=delay,
@@ -319,15 +323,15 @@ def certify(
         )
         result = certified(
             field,
-            rate=device.rate,
-            damping=device.damping,
-            delay=device.delay,
-            quantum=device.resolution,
-            dry_friction=device.friction,
-            mass=device.mass,
-            max_force=device.max_force,
-            name=device.name,
-            assumed=device.assumed,
+            rate=held.rate,
+            damping=held.damping,
+            delay=held.delay,
+            quantum=held.resolution,
+            dry_friction=held.friction,
+            mass=held.mass,
+            max_force=held.max_force,
+            name=held.name,
+            assumed=held.assumed,
             simulate=simulate,
         )
         return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)

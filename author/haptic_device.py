@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The haptic device that a field is held against: a scene's [device] table, options in its place, and what nobody said.
 
-A profile in the table names a device; what it needs in numbers (damping above all, which makers do not publish) comes
-from the table or from options.  Nothing is guessed: without a damping and a rate there is no verdict, and whatever
-else is missing counts as none of it and is listed as assumed.
+A name brings what is published of that device (device_profiles.py); numbers in the table replace that, and options
+replace both.  Without a damping and a rate there is no verdict; whatever else is missing counts as none of it, and that
+is listed as assumed, as is a damping that follows from a profile.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from palpate.author.device_profiles import PROFILES, profile_named
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.scene import load_scene
 
@@ -43,6 +44,7 @@ class HapticDevice:
 def device_from(
     scene: Path | None,
     *,
+    name: str | None = None,
     rate: float | None = None,
     damping: float | None = None,
     delay: float | None = None,
@@ -50,10 +52,13 @@ def device_from(
     dry_friction: float | None = None,
     mass: float | None = None,
 ) -> HapticDevice:
-    """The device of the [device] table in the scene file `scene`; a number that is given here replaces the table's.
+    """The device of the [device] table in the scene file `scene`; what is given here replaces the table's.
+
+    Args:
+        name: of a profile, instead of the table's; the table's numbers then count no more, but for its rate.
 
     Raises:
-        InputError: the scene is wrong or has no [device], or nobody said the damping or the rate.
+        InputError: the scene is wrong or has no [device], the name is unknown, or nobody said the damping or the rate.
     """
     table = None
     if scene is not None:
@@ -65,15 +70,29 @@ def device_from(
                 InputProblem(str(scene), "device", None, what, "a table [device], or no --scene")
             )
         rate = table.rate if rate is None else rate
-        damping = table.damping if damping is None else damping
-        quantum = table.resolution if quantum is None else quantum
-        dry_friction = table.friction if dry_friction is None else dry_friction
-    name = (table.profile or "") if table is not None else ""
+        if name is None:
+            damping = table.damping if damping is None else damping
+            quantum = table.resolution if quantum is None else quantum
+            dry_friction = table.friction if dry_friction is None else dry_friction
+    max_force = table.max_force if table is not None and name is None else None
+    known = ", ".join(profile.name for profile in PROFILES)
+    if name is not None and profile_named(name) is None:
+        raise InputError(
+            InputProblem("", "--device", name, "is not a device with a profile", f"one of {known}")
+        )
+    name = name or (table.profile if table is not None else None) or ""
+    profile = profile_named(name)
+    derived = profile is not None and damping is None
+    if profile is not None:
+        damping = profile.damping if damping is None else damping
+        max_force = profile.max_force if max_force is None else max_force
     problems = []
     if damping is None:
         whose = f'of the device "{name}" is' if name else "is"
         what = f"{whose} not known: makers do not publish it and it is not guessed"
-        expected = "--damping in N s/m, as measured on the device (or damping in the scene's [device])"
+        expected = (
+            f"--damping in N s/m, as measured (or damping in the scene's [device]), or --device: {known}"
+        )
         problems.append(InputProblem(str(scene or ""), "--damping", None, what, expected))
     if rate is None:
         what, expected = "is not given", '--rate in Hz, or --scene with a [device] (rate = "1 kHz")'
@@ -92,7 +111,10 @@ def device_from(
         delay or 0.0,
         quantum or 0.0,
         dry_friction or 0.0,
-        table.max_force if table is not None else None,
+        max_force,
         MASS if mass is None else mass,
-        tuple(clause for clause, value in missing.items() if value is None),
+        (
+            *([profile.source] if derived else []),
+            *(clause for clause, value in missing.items() if value is None),
+        ),
     )

@@ -106,14 +106,41 @@ def test_an_option_replaces_the_scenes_number(field, write_scene, capsys):
     assert device["assumed"] == []
 
 
-def test_a_profile_without_a_damping_is_refused_by_name_and_with_one_is_certified(field, write_scene, capsys):
-    scene = write_scene('[device]\nprofile = "omega.6"\nrate = "2 kHz"\n')
+def test_a_device_without_a_profile_is_refused_by_name_and_with_a_damping_is_certified(
+    field, write_scene, capsys
+):
+    scene = write_scene('[device]\nprofile = "our own"\nrate = "2 kHz"\n')
     assert main(["certify", str(field), "--scene", str(scene)]) == 2
     told = capsys.readouterr().err
-    assert '"omega.6"' in told and "--damping in N s/m" in told and "not guessed" in told
+    assert '"our own"' in told and "--damping in N s/m" in told and "not guessed" in told
     result = certified(capsys, field, "--scene", scene, "--damping", 0.5)
-    assert (result["device"]["name"], result["rate"]) == ("omega.6", 2000.0)
+    assert (result["device"]["name"], result["rate"]) == ("our own", 2000.0)
     assert len(result["device"]["assumed"]) == 3
+
+
+def test_a_profile_s_damping_is_what_its_published_stiffness_asks_and_says_so(field, write_scene, capsys):
+    scene = write_scene('[device]\nprofile = "Omega.6"\nrate = "2 kHz"\n')
+    by_scene = certified(capsys, field, "--scene", scene)["device"]
+    by_name = certified(capsys, field, "--device", "omega.6", "--rate", 2000)["device"]
+    assert (by_scene["damping"], by_scene["max_force"]) == (2.5, 12.0)  # 5000 N/m held for 1 ms
+    assert by_name | {"name": "Omega.6"} == by_scene
+    assert "5000 N/m that CHAI3D lets omega.6 hold at 1 kHz" in by_scene["assumed"][0]
+    measured = certified(capsys, field, "--device", "omega.6", "--rate", 2000, "--damping", 0.5)["device"]
+    assert measured["damping"] == 0.5 and "CHAI3D" not in str(measured["assumed"])
+
+
+def test_a_weaker_device_needs_a_faster_loop(field, capsys):
+    needed = [
+        certified(capsys, field, "--device", name, "--rate", 1000)["rate_needed"]
+        for name in ("omega.3", "Falcon", "PHANTOM Omni", "Touch")
+    ]
+    assert needed == sorted(needed) and needed[-1] == pytest.approx(12.5 * needed[0])
+
+
+def test_a_device_that_nobody_knows_is_refused_with_those_that_are_known(field, capsys):
+    assert main(["certify", str(field), "--device", "omega.9", "--rate", "1000"]) == 2
+    told = capsys.readouterr().err
+    assert "omega.9" in told and "omega.3" in told and "Touch" in told
 
 
 def test_a_scene_without_a_device_and_no_device_at_all_are_told_apart(field, write_scene, capsys):

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "depth_curves.h"
+#include "lattice.h"
 #include "rfield_layout.h"
 #include "stencil.h"
 
@@ -19,23 +21,23 @@ struct amplitude_sums {
     double dz[rfield_channel_limit];
 };
 
-// The 3 x 3 x 3 coefficients under a point of the amplitude lattice: tap (a, b, c) begins at
-//     block[4 next_block(x, a) + 2 next_block(y, b) + next_block(z, c)] + stride (16 place_of(x, a) + 4 place_of(y, b)
-//     + place_of(z, c)).
+// The 3 x 3 x 3 counts under a point of the geometry lattice: with n = x->across[a] + y->across[b], m = x->column[a] + y->column[b], tap
+// (a, b, c) is number place + c of the eight that begin with the four at block[n] + m and end with those at block[n + 1] + m.
+struct geometry_taps {
+    stencil at;
+    const tap_steps *x, *y;
+    const std::int16_t* block[8];
+};
+
+// The same in the amplitude lattice, prepared further because each tap is read for itself: channel 0 of tap (a, b, c) is
+//     line[x->across[a] + y->across[b] + c][x->column[a] + y->column[b]].
 struct amplitude_taps {
-    axis_taps x, y, z;
-    const float* block[8];
-    std::int64_t stride;  // floats from one coefficient to the next
+    stencil at;
+    const tap_steps *x, *y;
+    const float* line[16];  // by which of the four columns of blocks, and tap along z
 };
 
 constexpr double sums_per_count = 65536.0;
-
-// One row of depth curves in the order that sums read: c0 of every curve, then c1, c2, c3, each padded with zeros to a multiple of 4.
-struct curve_row {
-    const double* c;
-    double x;            // m; depth from the row's start
-    std::int64_t padded;  // curves, padding included; a multiple of 4; may be 0
-};
 
 // sums over curves r of phi_r a_r and so on; gradients per cell
 struct response_sums {
@@ -45,16 +47,21 @@ struct response_sums {
 };
 
 struct contraction {
-    // phi in 1/65536 counts and its derivatives per cell, sums = (value, dx, dy, dz).  block[8]: the blocks under the stencil as
-    // in amplitude_taps, 64 counts each.
-    void (*geometry)(const std::int16_t* const block[8], const axis_taps& x, const axis_taps& y, const axis_taps& z,
-                     double sums[4]) noexcept;
-    // The first `channels` amplitudes, and derivatives of the first `gradient_channels`; both multiples of 4.
-    void (*amplitudes)(const amplitude_taps& taps, std::int32_t gradient_channels, std::int32_t channels,
+    // Where the counts under q = (x, y, z) (m) are; false unless all 27 are stored.
+    bool (*gather_geometry)(const lattice& L, const std::int16_t* coefficients, double x, double y, double z,
+                            geometry_taps& taps) noexcept;
+    // phi in 1/65536 counts and its derivatives per cell, sums = (value, dx, dy, dz).
+    void (*geometry)(const geometry_taps& taps, double sums[4]) noexcept;
+    // Where the coefficients under q are; absent ones are in row 0, which is all zero.  False where the whole stencil lies outside the
+    // box.
+    bool (*gather_amplitudes)(const lattice& L, const float* coefficients, double x, double y, double z,
+                              amplitude_taps& taps) noexcept;
+    // The first `channels` amplitudes, and derivatives of the first `gradient_channels`, both multiples of 4; from channel `way` on.
+    void (*amplitudes)(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
                        amplitude_sums& sums) noexcept;
-    // Curves times amplitudes; those of kappa and mu begin at channels `stiffness_from` and `friction_from`.
-    void (*curves)(const curve_row& energy, const curve_row& stiffness, const curve_row& friction, const amplitude_sums& a,
-                   std::int32_t stiffness_from, std::int32_t friction_from, response_sums& sums) noexcept;
+    // Curves at `depth` >= 0 (m) times amplitudes; those of kappa and mu have theirs after the energy's, one kind after the other.
+    void (*curves)(const depth_curves& energy, const depth_curves& stiffness, const depth_curves& friction, double depth,
+                   const amplitude_sums& a, response_sums& sums) noexcept;
 };
 
 extern const contraction contraction_baseline;

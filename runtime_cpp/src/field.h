@@ -8,34 +8,9 @@
 #include <cstdint>
 
 #include "contract.h"
+#include "depth_curves.h"
+#include "lattice.h"
 #include "rfield_layout.h"
-
-namespace palpate {
-
-// A sparse lattice of 4 x 4 x 4 blocks (fields/lattice.py).  Cells 0 .. cells - 3 along each axis have whole stencils.
-struct lattice {
-    double origin[3];        // m
-    double spacing;          // m
-    double inverse_spacing;  // 1/m
-    double last[3];          // 4 blocks - 2: cell coordinates below it have their stencil in the box
-    std::int32_t blocks[3];
-    const std::int32_t* index;  // (blocks) row of the coefficients
-};
-
-// Depth curves (fields/response_field.py, DepthCurves), a row for each interval and a last one beyond depth_end, each in the order
-// of curve_row.  The file has a curve's four coefficients together; opening turns them around.
-struct depth_curves {
-    double depth_end;         // m
-    double step;              // m
-    double inverse_step;      // 1/m
-    double interval_count;    // as a double, for the comparison that bounds the row
-    std::int32_t last_row;    // interval_count
-    std::int32_t curve_count;
-    std::int64_t padded;  // curve_count, up to a multiple of 4
-    const double* rows;   // (last_row + 1) x 4 x padded
-};
-
-}  // namespace palpate
 
 // The public name palpate_field; everything in it is constant after opening.
 struct palpate_field {
@@ -46,7 +21,6 @@ struct palpate_field {
 
     palpate::lattice amplitudes;
     const float* amplitude_coefficients;
-    std::int32_t channel_stride;  // floats from one coefficient to the next
     std::int32_t way_stride;      // floats from one way of touching to the next
     std::int32_t way_count;       // their cosines and offsets are in the header
     std::int32_t channels;           // in use, rounded up to a multiple of 4

@@ -16,16 +16,19 @@
 #include <emmintrin.h>
 #endif
 
-// Before a loop of three turns whose body must not pay for its counter; and before one whose body, unrolled, would not
+// Before a loop of three (eight) turns whose body must not pay for its counter; and before one whose body, unrolled, would not
 // fit the registers.
 #if defined(__clang__)
 #define PALPATE_UNROLL_3 _Pragma("clang loop unroll(full)")
+#define PALPATE_UNROLL_8 _Pragma("clang loop unroll(full)")
 #define PALPATE_NO_UNROLL _Pragma("clang loop unroll(disable)")
 #elif defined(__GNUC__)
 #define PALPATE_UNROLL_3 _Pragma("GCC unroll 3")
+#define PALPATE_UNROLL_8 _Pragma("GCC unroll 8")
 #define PALPATE_NO_UNROLL _Pragma("GCC unroll 1")
 #else
 #define PALPATE_UNROLL_3
+#define PALPATE_UNROLL_8
 #define PALPATE_NO_UNROLL
 #endif
 
@@ -38,9 +41,21 @@ struct quad {
     __m256d v;
 };
 inline quad all(double x) noexcept { return {_mm256_set1_pd(x)}; }
-inline quad three(const double x[3]) noexcept { return {_mm256_set_pd(0.0, x[2], x[1], x[0])}; }
+inline quad three(double a, double b, double c) noexcept { return {_mm256_set_pd(0.0, c, b, a)}; }
 inline quad operator+(quad a, quad b) noexcept { return {_mm256_add_pd(a.v, b.v)}; }
+inline quad operator-(quad a, quad b) noexcept { return {_mm256_sub_pd(a.v, b.v)}; }
 inline quad operator*(quad a, quad b) noexcept { return {_mm256_mul_pd(a.v, b.v)}; }
+// 0 <= a < end in every lane
+inline bool all_within(quad a, quad end) noexcept {
+    const __m256d low = _mm256_cmp_pd(_mm256_setzero_pd(), a.v, _CMP_LE_OQ), high = _mm256_cmp_pd(a.v, end.v, _CMP_LT_OQ);
+    return _mm256_movemask_pd(_mm256_and_pd(low, high)) == 15;
+}
+// Without their fractions, 0 <= a < 2^31; `whole` as integers.
+inline quad truncated(quad a, std::uint32_t whole[4]) noexcept {
+    const __m128i i = _mm256_cvttpd_epi32(a.v);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(whole), i);
+    return {_mm256_cvtepi32_pd(i)};
+}
 inline void store(double* to, quad a) noexcept { _mm256_storeu_pd(to, a.v); }
 inline quad load(const double* from) noexcept { return {_mm256_loadu_pd(from)}; }
 // Four floats from memory.
@@ -91,6 +106,7 @@ struct pair {
     double operator[](int i) const noexcept { return v[i]; }
 };
 inline pair operator+(const pair& a, const pair& b) noexcept { return {{a.v[0] + b.v[0], a.v[1] + b.v[1]}}; }
+inline pair operator-(const pair& a, const pair& b) noexcept { return {{a.v[0] - b.v[0], a.v[1] - b.v[1]}}; }
 inline pair operator*(const pair& a, const pair& b) noexcept { return {{a.v[0] * b.v[0], a.v[1] * b.v[1]}}; }
 #endif
 
@@ -98,8 +114,9 @@ struct quad {
     pair low, high;
 };
 inline quad all(double x) noexcept { return {pair{x, x}, pair{x, x}}; }
-inline quad three(const double x[3]) noexcept { return {pair{x[0], x[1]}, pair{x[2], 0.0}}; }
+inline quad three(double a, double b, double c) noexcept { return {pair{a, b}, pair{c, 0.0}}; }
 inline quad operator+(const quad& a, const quad& b) noexcept { return {a.low + b.low, a.high + b.high}; }
+inline quad operator-(const quad& a, const quad& b) noexcept { return {a.low - b.low, a.high - b.high}; }
 inline quad operator*(const quad& a, const quad& b) noexcept { return {a.low * b.low, a.high * b.high}; }
 inline void store(double* to, const quad& a) noexcept {
     to[0] = a.low[0];
@@ -108,6 +125,16 @@ inline void store(double* to, const quad& a) noexcept {
     to[3] = a.high[1];
 }
 inline quad load(const double* from) noexcept { return {pair{from[0], from[1]}, pair{from[2], from[3]}}; }
+inline bool all_within(const quad& a, const quad& end) noexcept {
+    const auto within = [](double x, double least_above) { return x >= 0.0 && x < least_above; };
+    return within(a.low[0], end.low[0]) && within(a.low[1], end.low[1]) && within(a.high[0], end.high[0]) && within(a.high[1], end.high[1]);
+}
+inline quad truncated(const quad& a, std::uint32_t whole[4]) noexcept {
+    const double from[4] = {a.low[0], a.low[1], a.high[0], a.high[1]};
+    for (int i = 0; i < 4; ++i) whole[i] = static_cast<std::uint32_t>(from[i]);
+    const auto at = [whole](int i) { return static_cast<double>(whole[i]); };
+    return {pair{at(0), at(1)}, pair{at(2), at(3)}};
+}
 inline quad sums_of_four(const quad& a, const quad& b, const quad& c, const quad& d) noexcept {
     return {pair{(a.low[0] + a.low[1]) + (a.high[0] + a.high[1]), (b.low[0] + b.low[1]) + (b.high[0] + b.high[1])},
             pair{(c.low[0] + c.low[1]) + (c.high[0] + c.high[1]), (d.low[0] + d.low[1]) + (d.high[0] + d.high[1])}};

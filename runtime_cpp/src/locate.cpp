@@ -27,76 +27,53 @@ std::int32_t floor_of(double u) noexcept {
     return static_cast<double>(i) > u ? i - 1 : i;
 }
 
-palpate_region unknown_cell(const palpate_field& field, const double u[3]) noexcept {
+palpate_region unknown_cell(const palpate_field& field, const double q[3]) noexcept {
     const lattice& L = field.geometry;
+    std::int32_t i[3];
     for (int a = 0; a < 3; ++a) {
-        if (!(u[a] >= -2.0 && u[a] < L.last[a] + 2.0)) return PALPATE_REGION_OUTSIDE;
+        const double u = (q[a] - L.origin[a]) * L.inverse_spacing;
+        if (!(u >= -2.0 && u < L.last[a] + 2.0)) return PALPATE_REGION_OUTSIDE;
+        i[a] = floor_of(u);
     }
-    const std::int32_t i[3] = {floor_of(u[0]), floor_of(u[1]), floor_of(u[2])};
-    bool deep = false;
-    bool free = true;
-    for (std::int32_t tap = 0; tap < 27; ++tap) {
-        const std::int32_t j[3] = {i[0] + tap / 9, i[1] + tap / 3 % 3, i[2] + tap % 3};
+    const auto row_at = [&L](const std::int32_t j[3]) {  // of the block of coefficient j; beyond the box is outside
         bool in_box = true;
         for (int a = 0; a < 3; ++a) in_box = in_box && j[a] >= 0 && j[a] < 4 * L.blocks[a];
-        if (!in_box) continue;
-        const std::int32_t row =
-            L.index[(static_cast<std::int64_t>(j[0] >> 2) * L.blocks[1] + (j[1] >> 2)) * L.blocks[2] + (j[2] >> 2)];
-        if (row >= 0) {
-            const std::int64_t at = static_cast<std::int64_t>(row) * 64 + (j[0] & 3) * 16 + (j[1] & 3) * 4 + (j[2] & 3);
-            const double c = field.geometry_bias + field.geometry_scale * static_cast<double>(field.geometry_coefficients[at]);
-            free = free && c >= field.tool_offset;
-        } else {
-            deep = deep || row == absent_inside;
-            free = free && row == absent_outside;
-        }
+        return in_box ? L.index[(j[0] >> 2) * L.row_step[0] + (j[1] >> 2) * L.row_step[1] + (j[2] >> 2)] : absent_outside;
+    };
+    bool unreached = false, stored = false;
+    for (std::int32_t corner = 0; corner < 8; ++corner) {  // the first and the last taps lie in every block there is
+        const std::int32_t j[3] = {i[0] + (corner >> 1 & 2), i[1] + (corner & 2), i[2] + (corner << 1 & 2)};
+        const std::int32_t row = row_at(j);
+        if (row == absent_inside) return PALPATE_REGION_DEEP;
+        unreached = unreached || (row < 0 && row != absent_outside);
+        stored = stored || row >= 0;
     }
-    if (deep) return PALPATE_REGION_DEEP;
-    return free ? PALPATE_REGION_OUTSIDE : PALPATE_REGION_UNREACHED;
+    if (unreached) return PALPATE_REGION_UNREACHED;
+    if (!stored) return PALPATE_REGION_OUTSIDE;
+    for (std::int32_t tap = 0; tap < 27; ++tap) {
+        const std::int32_t j[3] = {i[0] + tap / 9, i[1] + tap / 3 % 3, i[2] + tap % 3};
+        const std::int32_t row = row_at(j);
+        if (row < 0) continue;
+        const std::int64_t at = static_cast<std::int64_t>(row) * 64 + (j[0] & 3) * 16 + (j[1] & 3) * 4 + (j[2] & 3);
+        const double c = field.geometry_bias + field.geometry_scale * static_cast<double>(field.geometry_coefficients[at]);
+        if (!(c >= field.tool_offset)) return PALPATE_REGION_UNREACHED;
+    }
+    return PALPATE_REGION_OUTSIDE;
 }
 
 }  // namespace
 
 void locate(const palpate_field& field, const double q[3], location& found) noexcept {
     const lattice& L = field.geometry;
-    const double u[3] = {(q[0] - L.origin[0]) * L.inverse_spacing, (q[1] - L.origin[1]) * L.inverse_spacing,
-                         (q[2] - L.origin[2]) * L.inverse_spacing};
-    found.depth = 0.0;
-    found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
-    if (!(u[0] >= 0.0 && u[1] >= 0.0 && u[2] >= 0.0 && u[0] < L.last[0] && u[1] < L.last[1] && u[2] < L.last[2])) {
-        found.region = unknown_cell(field, u);
+    geometry_taps taps;
+    if (!field.contract->gather_geometry(L, field.geometry_coefficients, q[0], q[1], q[2], taps)) {
+        found.region = unknown_cell(field, q);
+        found.depth = 0.0;
+        found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
         return;
     }
-    axis_taps x, y, z;
-    taps_at(u[0], x);
-    taps_at(u[1], y);
-    taps_at(u[2], z);
-
-    // The (up to) 8 blocks under the stencil; the same one twice where it does not cross.
-    const std::int64_t cross_x = next_block(x, 2) * static_cast<std::int64_t>(L.blocks[1]) * L.blocks[2];
-    const std::int64_t cross_y = next_block(y, 2) * static_cast<std::int64_t>(L.blocks[2]);
-    const std::int64_t cross_z = next_block(z, 2);
-    const std::int32_t* line =
-        L.index + (x.block * L.blocks[1] + y.block) * L.blocks[2] + z.block;
-    const std::int32_t row[8] = {line[0],
-                                 line[cross_z],
-                                 line[cross_y],
-                                 line[cross_y + cross_z],
-                                 line[cross_x],
-                                 line[cross_x + cross_z],
-                                 line[cross_x + cross_y],
-                                 line[cross_x + cross_y + cross_z]};
-    if ((row[0] | row[1] | row[2] | row[3] | row[4] | row[5] | row[6] | row[7]) < 0) {
-        bool all_outside = true;
-        for (std::int32_t r : row) all_outside = all_outside && r == absent_outside;
-        found.region = all_outside ? PALPATE_REGION_OUTSIDE : unknown_cell(field, u);
-        return;
-    }
-
-    const std::int16_t* block[8];
-    for (int i = 0; i < 8; ++i) block[i] = field.geometry_coefficients + static_cast<std::int64_t>(row[i]) * 64;
     double sums[4];
-    field.contract->geometry(block, x, y, z, sums);
+    field.contract->geometry(taps, sums);
     const double scale = field.geometry_scale * (1.0 / sums_per_count);
     const double per_metre = scale * L.inverse_spacing;
     found.depth = field.tool_offset - (field.geometry_bias + scale * sums[0]);

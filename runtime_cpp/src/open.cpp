@@ -18,18 +18,6 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<floa
 
 constexpr long file_size_limit = 0x7FFFFFFF;     // bytes; a folder claims more on Linux
 
-void set_lattice(lattice& L, const double origin[3], double spacing, const std::uint32_t blocks[3],
-                 const std::int32_t* index) noexcept {
-    for (int a = 0; a < 3; ++a) {
-        L.origin[a] = origin[a];
-        L.blocks[a] = static_cast<std::int32_t>(blocks[a]);
-        L.last[a] = 4.0 * static_cast<double>(blocks[a]) - 2.0;
-    }
-    L.spacing = spacing;
-    L.inverse_spacing = 1.0 / spacing;
-    L.index = index;
-}
-
 // From the file's rows (intervals + 1) x curves x 4 into `to`, in the order of curve_row; `to` moves to its end.
 void set_curves(depth_curves& c, double depth_end, std::uint32_t intervals, std::uint32_t curves, const double* rows, double*& to) noexcept {
     c.depth_end = depth_end;
@@ -76,14 +64,14 @@ bool prove(const unsigned char* data, std::size_t size, palpate_field& field, re
         return false;
     }
 
-    set_lattice(field.geometry, h.geometry_origin, h.geometry_spacing, h.geometry_blocks, geometry_index);
+    set_lattice(field.geometry, h.geometry_origin, h.geometry_spacing, h.geometry_blocks, geometry_index, 1, 2);
     field.geometry_coefficients = section<std::int16_t>(data, h, section_geometry_coefficients);
     field.geometry_scale = h.geometry_scale;
     field.geometry_bias = h.geometry_bias;
-    set_lattice(field.amplitudes, h.amplitude_origin, h.amplitude_spacing, h.amplitude_blocks, amplitude_index);
+    set_lattice(field.amplitudes, h.amplitude_origin, h.amplitude_spacing, h.amplitude_blocks, amplitude_index,
+                static_cast<std::int64_t>(h.way_count) * h.channel_stride, 4);
     field.amplitude_coefficients = amplitudes;
     field.way_stride = static_cast<std::int32_t>(h.channel_stride);
-    field.channel_stride = static_cast<std::int32_t>(h.way_count * h.channel_stride);
     field.way_count = static_cast<std::int32_t>(h.way_count);
     const std::uint32_t channels = h.energy_curve_count + h.stiffness_curve_count + h.friction_curve_count;
     field.channels = static_cast<std::int32_t>((channels + 3) / 4 * 4);

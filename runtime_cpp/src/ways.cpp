@@ -22,9 +22,8 @@ std::int32_t between_ways(const palpate_field& field, double cosine, double& t) 
 
 const amplitude_sums& sums_of(const palpate_field& field, amplitudes_here& here, std::int32_t w) noexcept {
     if (!here.known[w]) {
-        amplitude_taps taps = here.taps;
-        for (const float*& block : taps.block) block += static_cast<std::int64_t>(w) * field.way_stride;
-        field.contract->amplitudes(taps, field.gradient_channels, field.channels, here.way[w]);
+        const std::int64_t way = static_cast<std::int64_t>(w) * field.way_stride;
+        field.contract->amplitudes(here.taps, way, field.gradient_channels, field.channels, here.way[w]);
         here.known[w] = true;
     }
     return here.way[w];

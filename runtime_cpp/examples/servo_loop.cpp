@@ -2,13 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The shape of a CHAI3D haptics thread, with a device that is simulated: a mass that a hand pushes down and drags aside.
 // In CHAI3D the three marked lines are cGenericHapticDevice::getPosition, getRotation and setForceAndTorque.
+// With a second argument what was sent is recorded, for `palpate replay`.
 #include <palpate/palpate.h>
+#include <palpate/trace_recorder.hpp>
 
 #include <cstdio>
 #include <vector>
 
 int main(int argc, char** argv) {
-    if (argc != 2) return std::fprintf(stderr, "usage: %s FIELD.rfield (a surface facing +z near the origin)\n", argv[0]), 2;
+    if (argc < 2) return std::fprintf(stderr, "usage: %s FIELD.rfield [TRACE.csv] (a surface facing +z near the origin)\n", argv[0]), 2;
     char why[256];
     palpate_field* field = nullptr;
     if (palpate_field_open_file(argv[1], &field, why, sizeof why) != PALPATE_OK) return std::fprintf(stderr, "%s\n", why), 2;
@@ -22,10 +24,12 @@ int main(int argc, char** argv) {
 
     double p[3] = {0, 0, info.box_max[2] - 1e-3}, v[3] = {0, 0, 0};  // m, m/s
     const double mass = 0.2, damping = 4.0, dt = 1e-3;               // kg, N s/m, s
+    palpate::trace_recorder recorder(3000);
     for (int tick = 0; tick < 3000; ++tick) {
         palpate_tool_state tool{sizeof tool, 0, dt, {p[0], p[1], p[2]}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};  // getPosition, getRotation
         palpate_tool_response feel{};
         feel.size = sizeof feel;
+        recorder.record(tool);
         palpate_tick(session, &tool, &feel);  // feel.force, feel.torque: setForceAndTorque
         const double hand[3] = {tick > 1500 ? 0.15 : 0.0, 0.0, -0.4};  // N
         for (int a = 0; a < 3; ++a) {
@@ -38,4 +42,5 @@ int main(int argc, char** argv) {
         }
     }
     palpate_field_close(field);
+    if (argc > 2 && !recorder.write_csv(argv[2])) return std::fprintf(stderr, "cannot write %s\n", argv[2]), 3;
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
-// One trace that meets everything, on a field built here from exact numbers, and the hash of all answers.  Compilers,
+// Traces that meet everything, on fields built here from exact numbers, and the hash of all answers.  Compilers,
 // optimisation levels and instruction sets have to agree on it, bit by bit.  After a change of the tick's arithmetic that
 // is meant, run the test and take the new hash from its message.
 #include <cmath>
@@ -12,6 +12,7 @@
 namespace {
 
 constexpr std::uint64_t golden = 0x1cc3229a74f15cd0u;
+constexpr std::uint64_t golden_in_motion = 0x97aca79195e1e6beu;
 
 // Numbers from integer arithmetic alone: no library's sin, no library's distributions.
 struct steps {
@@ -22,8 +23,9 @@ struct steps {
     }
 };
 
-// A slab of tissue, phi = z (exactly representable steps), three energy curves, one of stiffness, one of friction.
-std::vector<unsigned char> exact_field() {
+// A slab of tissue, phi = z (exactly representable steps), three energy curves, one of stiffness, one of friction; `ways` of
+// touching, each with amplitudes and an offset of its own; energies times `stiffness`.
+std::vector<unsigned char> exact_field(std::uint32_t ways, double stiffness_of) {
     using namespace palpate;
     rfield_header h{};
     std::memcpy(h.magic, rfield_magic, sizeof h.magic);
@@ -33,7 +35,7 @@ std::vector<unsigned char> exact_field() {
     h.section_count = rfield_section_count;
     h.tool_offset = 0.005;
     h.depth_max = 0.004;
-    h.stiffness_max = 2000.0;
+    h.stiffness_max = 2000.0 * stiffness_of;
     h.band[0] = -0.008;
     h.band[1] = 0.008;
     h.geometry_spacing = 0x1p-9;  // 1.95 mm
@@ -47,14 +49,16 @@ std::vector<unsigned char> exact_field() {
     h.geometry_stored = 64;
     h.amplitude_stored = 28;
     h.channel_stride = 8;
-    h.way_count = 1;
-    h.way_cosine[0] = 1.0;
-    h.way_offset[0] = h.tool_offset;
+    h.way_count = ways;
+    for (std::uint32_t w = 0; w < ways; ++w) {
+        h.way_cosine[w] = 1.0 - 0.25 * w;
+        h.way_offset[w] = h.tool_offset - 0x1p-13 * w;
+    }
     h.energy_curve_count = 3;
     h.stiffness_curve_count = h.friction_curve_count = 1;
     h.energy_intervals = h.stiffness_intervals = h.friction_intervals = 4;
     h.energy_depth_end = h.stiffness_depth_end = h.friction_depth_end = 0x1p-8;
-    const std::uint64_t count[rfield_section_count] = {64, 64 * 64, 27, 28 * 64 * 8, 5 * 3 * 4, 5 * 4, 5 * 4, 0};
+    const std::uint64_t count[rfield_section_count] = {64, 64 * 64, 27, ways * 28 * 64 * 8, 5 * 3 * 4, 5 * 4, 5 * 4, 0};
     std::uint64_t at = sizeof h;
     for (std::uint32_t i = 0; i < rfield_section_count; ++i) {
         at = (at + rfield_section_alignment - 1) / rfield_section_alignment * rfield_section_alignment;
@@ -79,13 +83,13 @@ std::vector<unsigned char> exact_field() {
         }
     }
     for (int i = 0; i < 27; ++i) put(section_amplitude_index, static_cast<std::uint64_t>(i), static_cast<std::int32_t>(i == 13 ? 0 : i + 1));
-    for (int i = 64 * 8; i < 28 * 64 * 8; ++i) {
+    for (std::uint32_t i = ways * 64 * 8; i < ways * 28 * 64 * 8; ++i) {  // coefficient by coefficient, its ways in a row
         const float a = i % 8 < 5 ? static_cast<float>(1.0 + 0.5 * random.next()) : 0.0f;
-        put(section_amplitude_coefficients, static_cast<std::uint64_t>(i), a);
+        put(section_amplitude_coefficients, i, a);
     }
     const double step = 0x1p-10;
     for (std::uint64_t curve = 0; curve < 3; ++curve) {  // c2 d^2, carried exactly from knot to knot
-        const double c2 = 40.0 * static_cast<double>(curve + 1);
+        const double c2 = stiffness_of * 40.0 * static_cast<double>(curve + 1);
         for (int m = 0; m < 5; ++m) {
             const double d = step * m;
             const double row[4] = {c2 * d * d, 2.0 * c2 * d, c2, 0.0};
@@ -110,7 +114,7 @@ std::uint64_t mix(std::uint64_t hash, const void* data, std::size_t size) {  // 
 }
 
 TEST(golden, all_compilers_and_levels_give_the_same_bits) {
-    const auto bytes = exact_field();
+    const auto bytes = exact_field(1, 1.0);
     palpate_field* field = nullptr;
     char why[256];
     ASSERT_EQ(palpate_field_open(bytes.data(), bytes.size(), 0, &field, why, sizeof why), PALPATE_OK) << why;
@@ -149,6 +153,68 @@ TEST(golden, all_compilers_and_levels_give_the_same_bits) {
                                  PALPATE_TICK_LEAK_COVERED | PALPATE_TICK_JUMP | PALPATE_TICK_WAITING;
     EXPECT_EQ(seen & wanted, wanted);
     EXPECT_EQ(hash, golden) << "0x" << std::hex << hash << "u";
+}
+
+// The quaternion of a turn about x (axis 0) or y by 2 atan(t): rational, so that no library's sine is asked.
+void turn_about(int axis, double t, double q[4]) {
+    const double scale = 1.0 / (1.0 + t * t);
+    q[0] = q[1] = q[2] = 0.0;
+    q[axis] = t * scale * 2.0;
+    q[3] = (1.0 - t * t) * scale;
+}
+
+TEST(golden, tilts_a_moving_organ_changed_fields_and_axial_responses_give_the_same_bits) {
+    palpate_field* fields[2] = {nullptr, nullptr};
+    for (int stiff = 0; stiff < 2; ++stiff) {
+        const auto bytes = exact_field(3, stiff == 0 ? 1.0 : 4.0);
+        char why[256];
+        ASSERT_EQ(palpate_field_open(bytes.data(), bytes.size(), 0, &fields[stiff], why, sizeof why), PALPATE_OK) << why;
+    }
+    std::vector<std::uint64_t> organ_memory((palpate_organ_size() + 7) / 8);
+    palpate_organ* organ = nullptr;
+    ASSERT_EQ(palpate_organ_init(organ_memory.data(), organ_memory.size() * 8, &organ), PALPATE_OK);
+    std::uint64_t hash = 14695981039346656037u;
+    std::uint32_t seen = 0;
+    int felt = 0;
+    for (std::uint32_t variant = 0; variant < 6; ++variant) {
+        palpate_config config;
+        palpate_config_default(&config);
+        config.response = variant % 3;
+        std::vector<std::uint64_t> memory((palpate_session_size() + 7) / 8);
+        palpate_session* session = nullptr;
+        ASSERT_EQ(palpate_session_init(memory.data(), memory.size() * 8, fields[0], &config, &session), PALPATE_OK);
+        if (variant >= 3) palpate_session_set_organ(session, organ);
+        steps random;
+        random.state += 100 + variant;
+        palpate_tool_state state{sizeof state, 0, 1e-3, {0, 0, 0.008}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
+        palpate_tool_response r;
+        double tilt = 0.0;
+        for (int i = 0; i < 10000; ++i) {
+            const double size = i % 5000 == 4999 ? 16e-3 : i % 500 == 499 ? 4e-3 : 6e-5;
+            const double home[3] = {0.0, 0.0, 0.0038};
+            for (int a = 0; a < 3; ++a) state.position[a] += size * random.next() - 0.002 * (state.position[a] - home[a]);
+            tilt += 0.02 * random.next() - 0.002 * tilt;
+            turn_about(0, tilt, state.orientation);
+            if (variant >= 3 && i % 16 == 0) {  // 60 Hz
+                const double place[3] = {2e-4 * random.next(), 2e-4 * random.next(), 2e-4 * random.next()};
+                double turned[4];
+                turn_about(1, 0.01 * random.next(), turned);
+                ASSERT_EQ(palpate_organ_move(organ, place, turned, 0x1p-6), PALPATE_OK);
+            }
+            if (i % 250 == 249) palpate_session_set_field(session, fields[i / 250 % 2]);
+            std::memset(&r, 0, sizeof r);
+            r.size = sizeof r;
+            seen |= palpate_tick(session, &state, &r);
+            felt += r.stored_energy > 0.0;
+            hash = mix(hash, &r, sizeof r);
+        }
+        EXPECT_TRUE((r.organ_work != 0.0) == (variant >= 3)) << variant;
+    }
+    for (palpate_field* field : fields) palpate_field_close(field);
+    EXPECT_GT(felt, 10000);
+    const std::uint32_t wanted = PALPATE_TICK_SLIPPING | PALPATE_TICK_RULE_YIELDED | PALPATE_TICK_WAITING;
+    EXPECT_EQ(seen & wanted, wanted);
+    EXPECT_EQ(hash, golden_in_motion) << "0x" << std::hex << hash << "u";
 }
 
 }  // namespace

@@ -68,6 +68,44 @@ TEST(tick, a_million_ticks_allocate_nothing) {
     EXPECT_EQ(regions, 0x3Fu);
 }
 
+TEST(tick, tilts_organ_motion_changed_fields_limits_and_axial_responses_allocate_nothing) {
+    const opened_field tilted("tilted"), plane("plane");
+    std::vector<std::uint64_t> organ_memory((palpate_organ_size() + 7) / 8);
+    palpate_organ* organ = nullptr;
+    ASSERT_EQ(palpate_organ_init(organ_memory.data(), organ_memory.size() * 8, &organ), PALPATE_OK);
+    std::mt19937_64 random(4);
+    std::normal_distribution<double> normal;
+    std::uint32_t seen = 0;
+    for (std::uint32_t response : {0u, 1u, 2u}) {
+        const session_memory memory(tilted.field);
+        palpate_config config;
+        palpate_config_default(&config);
+        config.response = response;
+        config.force_max = 0.05;
+        config.passivity_control = 1;
+        palpate_session* session = nullptr;
+        auto bytes = memory.bytes;
+        ASSERT_EQ(palpate_session_init(bytes.data(), bytes.size() * 8, tilted.field, &config, &session), PALPATE_OK);
+        palpate_session_set_organ(session, organ);
+        const long at_first = allocations;
+        point p{0, 0, 8e-3};
+        for (int i = 0; i < 100000; ++i) {
+            p = adventurous(random, std::isfinite(p[0] + p[1] + p[2]) ? p : point{0, 0, 8e-3});
+            for (std::size_t a = 0; a < 3; ++a) p[a] += 0.01 * ((a == 2 ? 3e-3 : 0.0) - p[a]);
+            const double t = 0.1 * normal(random), turned[4] = {t, 0, 0, 1.0}, place[3] = {1e-4 * t, 0, 1e-4 * t};
+            if (i % 16 == 0) palpate_organ_move(organ, place, turned, 1.0 / 60.0);
+            if (i % 100 == 0) palpate_session_set_field(session, i % 200 == 0 ? plane.field : tilted.field);
+            palpate_tool_state state{sizeof state, 0, 1e-3, {p[0], p[1], p[2]}, {t, -t, 0, 1.0}, {0, 0, 0}, {0, 0, 0, 1}};
+            palpate_tool_response r{};
+            r.size = sizeof r;
+            seen |= palpate_tick(session, &state, &r);
+        }
+        EXPECT_EQ(allocations, at_first);
+    }
+    const std::uint32_t wanted = PALPATE_TICK_RULE_YIELDED | PALPATE_TICK_FORCE_LIMITED | PALPATE_TICK_LEAK_COVERED | PALPATE_TICK_SLIPPING;
+    EXPECT_EQ(seen & wanted, wanted);
+}
+
 TEST(tick, accounts_balance_and_dissipation_never_falls_on_any_walk) {
     for (const char* name : {"plane", "sphere", "slab"}) {
         const opened_field opened(name);

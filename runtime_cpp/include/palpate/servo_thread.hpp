@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A servo loop for demonstrations and live views: a thread of its own that calls a function at a steady rate, counts the
 // ticks that it missed, and a way to publish what happened without locks.  Header-only; needs threads.  Devices that
-// come with a loop of their own (most do) need none of this: call palpate_tick in theirs.
+// come with a loop of their own (most do) need none of this: call palpate_tick in theirs.  C++14.
 #ifndef PALPATE_SERVO_THREAD_HPP
 #define PALPATE_SERVO_THREAD_HPP
 

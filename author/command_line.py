@@ -93,6 +93,12 @@ def plan(scene: SceneFile, workers: Workers = None, as_json: Json = False) -> No
 def author(
     scene: SceneFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="where the asset goes")],
+    tool: Annotated[
+        str,
+        typer.Option(
+            "--tool", metavar="NAME", help="add or replace this tool only; the others stay as they are"
+        ),
+    ] = "",
     workers: Workers = None,
     scheduler: Annotated[
         str, typer.Option("--scheduler", metavar="tcp://HOST:PORT", help="press on a Dask cluster instead")
@@ -124,6 +130,7 @@ def author(
                 scheduler=scheduler,
                 device=device,
                 batch=batch,
+                tool=tool,
             )
         return Answer(result, [author_lines(result)], 0 if result["tolerance_met"] else 1)
 

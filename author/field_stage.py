@@ -16,13 +16,13 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.tool_stage import offset_of, reference_of, shape_of
 from palpate.fem_offline.pose import tangents
-from palpate.fields.as_cooked import as_cooked
+from palpate.fields.as_cooked import as_cooked, rounded_geometry
 from palpate.fields.build_field import build_field
 from palpate.fields.contact_geometry import contact_geometry
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
 from palpate.fields.response_field import ContactGeometry, ResponseField
 
-__all__ = ["band_of", "contact_geometry_of", "field_of"]
+__all__ = ["band_of", "contact_geometry_of", "field_of", "tool_band"]
 
 SMALL_MOVE = 1e-4
 """m; the linear sticking stiffness is handed on as two moves this long."""
@@ -36,23 +36,25 @@ REACH_MARGIN = 15e-3
 """m beyond the reach in which amplitudes fall to zero, and so geometry must be known."""
 
 
+def tool_band(scene: Scene, tool: Tool) -> tuple[float, float]:
+    """(low, high) m of phi that a tool needs."""
+    offset, depth = offset_of(shape_of(scene, tool)), scene.depth_max(tool)
+    return float(offset - depth - max(DEEPER * depth, 1.5e-3)), float(offset + BAND_OUTSIDE)
+
+
 def band_of(scene: Scene) -> tuple[float, float]:
     """(low, high) m of phi that all tools of the scene need."""
-    low, high = np.inf, -np.inf
-    for tool in scene.tool:
-        offset, depth = offset_of(shape_of(scene, tool)), scene.depth_max(tool)
-        low = min(low, offset - depth - max(DEEPER * depth, 1.5e-3))
-        high = max(high, offset + BAND_OUTSIDE)
-    return float(low), float(high)
+    low, high = zip(*(tool_band(scene, tool) for tool in scene.tool), strict=True)
+    return min(low), max(high)
 
 
 def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) -> ContactGeometry:
-    """The contact geometry that all tools of the scene share."""
+    """The contact geometry that all tools of the scene share, rounded as their files will hold it."""
     low, high = band_of(scene)
     around = REACH_MARGIN + max(abs(low), abs(high)) + 5e-3
     bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
-    return contact_geometry(
-        mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=REACH_MARGIN
+    return rounded_geometry(
+        contact_geometry(mesh.distance, samples.beyond(mesh), bounds, (low, high), reach_margin=REACH_MARGIN)
     )
 
 

@@ -29,6 +29,7 @@ from palpate.author.errors import InputError
 from palpate.author.field_stage import contact_geometry_of, field_of
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
+from palpate.author.one_tool import asset_geometry, chosen_tools, with_other_tools
 from palpate.author.organ_stage import OrganMesh, mesh_organ
 from palpate.author.press_executor import core_count, fitting_workers, press_executor
 from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
@@ -40,6 +41,7 @@ from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
 from palpate.author.tool_stage import ToolShape, heading_matters, reference_of, shape_of
+from palpate.fields.organ_geometry import OrganGeometry
 
 __all__ = ["author", "ladder", "node_jobs"]
 
@@ -69,10 +71,12 @@ def author(
     scheduler: str = "",
     device: str = "",
     batch: int | None = None,
+    tool: str = "",
 ) -> dict[str, Any]:
     """Make the asset of a scene in the folder `out`.
 
     Args:
+        tool: name of the only one to add to the asset or to replace there; all when empty.
         workers: processes that press; one for each core when absent.  Fewer where memory does not hold them.
         scheduler: address of a Dask scheduler, whose workers press instead.
         device: evaluates the elements of many presses together; `workers` is then one for each four cores when absent.
@@ -82,7 +86,8 @@ def author(
         What `palpate author --json` prints.
 
     Raises:
-        InputError: the scene does not fit its organ, or there is no such device.
+        InputError: the scene does not fit its organ, there is no such device or tool, or the asset that the tool
+            should go into is another organ's.
         Interrupted: by Ctrl-C while pressing; says how many presses are kept.
     """
     begun = time.perf_counter()
@@ -91,6 +96,7 @@ def author(
     store = Store(out / "work")
     store.sweep()
     stages = _Stages(progress)
+    chosen = chosen_tools(scene, tool)
     if device:
         device_named(device)
 
@@ -101,7 +107,10 @@ def author(
             executor = stack.enter_context(_cluster(scheduler, progress))
         stages.begin("surface and tetrahedra")
         mesh = mesh_organ(scene, store)
-        tools = [_ToolWork(scene, mesh, tool) for tool in scene.tool]
+        tools = [_ToolWork(scene, mesh, tool) for tool in chosen]
+        samples = _reach(scene, mesh, tools)
+        organ = _organ(mesh, samples)
+        geometry = asset_geometry(scene, chosen[0], organ, out) if tool else None
         jobs = [job for work in tools for job in work.jobs]
         stages.begin("presses", len(jobs))
         if executor is None:
@@ -112,12 +121,12 @@ def author(
         work.take(outcomes)
 
     stages.begin("contact geometry and response field")
-    samples = tools[0].samples
-    geometry = contact_geometry_of(scene, mesh, samples)
+    if geometry is None:
+        geometry = contact_geometry_of(scene, mesh, samples)
     fields = [work.fit(scene, mesh, geometry) for work in tools]
 
     stages.begin("asset")
-    asset = _write(out, mesh, samples, fields)
+    asset = _write(out, organ, fields, replace=not tool)
     results = [_cooked(out, field) for field in fields]
 
     stages.begin("validation")
@@ -156,6 +165,8 @@ def author(
     summary["cpu_seconds"] = sum(use.ru_utime + use.ru_stime for use in usage)
     from palpate.author.report import write_report
 
+    if tool:
+        summary = with_other_tools(summary, out, [row.name for row in scene.tool])
     summary["report"] = str(write_report(out, summary))
     (out / "summary.json").write_text(json.dumps(summary, indent=1))
     return summary
@@ -318,14 +329,29 @@ def _refuse_jumping_heading(scene: Scene, tool: Tool, shape: ToolShape, samples:
         raise InputError(scene.problem(key, tool.name, what, expected))
 
 
-def _write(out: Path, mesh: OrganMesh, samples: ReachSamples, fields: list[Any]) -> Path:
+def _reach(scene: Scene, mesh: OrganMesh, tools: list[_ToolWork]) -> ReachSamples:
+    """What the scene's first tool reaches, whether it is pressed or not: the asset's geometry is made for that."""
+    first = scene.tool[0]
+    known = [work.samples for work in tools if work.tool is first]
+    return (
+        known[0]
+        if known
+        else reach_samples(mesh, scene.reach, shape_of(scene, first), scene.depth_max(first))
+    )
+
+
+def _organ(mesh: OrganMesh, samples: ReachSamples) -> OrganGeometry:
+    centres = mesh.vertices[mesh.triangles].mean(axis=1)
+    return mesh.geometry(samples.beyond(mesh)(centres) <= 0.0)
+
+
+def _write(out: Path, organ: OrganGeometry, fields: list[Any], replace: bool) -> Path:
+    """Args: replace: whatever asset is there; otherwise the fields are added to it."""
     from palpate.fields.usd_write import write_asset
 
-    centres = mesh.vertices[mesh.triangles].mean(axis=1)
-    reached = samples.beyond(mesh)(centres) <= 0.0
     asset = out
     for field in fields:
-        asset = write_asset(out, mesh.geometry(reached), field, replace=field is fields[0])
+        asset = write_asset(out, organ, field, replace=replace and field is fields[0])
     return asset
 
 

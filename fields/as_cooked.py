@@ -10,24 +10,36 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from palpate.fields.cook import cook
-from palpate.fields.response_field import ResponseField
+import numpy as np
+
+from palpate.fields.cook import cook, geometry_counts
+from palpate.fields.response_field import ContactGeometry, ResponseField
 from palpate.fields.rfield_read import read_rfield
 
-__all__ = ["as_cooked"]
+__all__ = ["as_cooked", "rounded_geometry"]
+
+ROUNDED_BEFORE = 1e-15
+"""m; counts of 1e-9 m and more, and their products' last bits."""
 
 
 def as_cooked(field: ResponseField) -> ResponseField:
     """`field` with rounded geometry, amplitudes and curves; nodes, errors and provenance as they are."""
     rounded = read_rfield(cook(field))
-    lattice = replace(
-        field.geometry.signed_distance, coefficients=rounded.geometry.signed_distance.coefficients
-    )
     return replace(
         field,
-        geometry=replace(field.geometry, signed_distance=lattice),
+        geometry=rounded_geometry(field.geometry),
         amplitudes=rounded.amplitudes,
         energy_curves=rounded.energy_curves,
         stiffness_curves=rounded.stiffness_curves,
         friction_curves=rounded.friction_curves,
     )
+
+
+def rounded_geometry(geometry: ContactGeometry) -> ContactGeometry:
+    """`geometry` with the distances that a file would hold; one that was rounded before stays as it is, bit by bit."""
+    lattice = geometry.signed_distance
+    counts, scale, bias = geometry_counts(lattice)
+    distance = (bias + scale * counts.astype(float))[..., None]
+    if np.abs(distance - lattice.coefficients).max() <= ROUNDED_BEFORE:
+        return geometry
+    return replace(geometry, signed_distance=replace(lattice, coefficients=distance))

@@ -35,7 +35,7 @@ from palpate.fields.rfield_layout import (
     section_element_size,
 )
 
-__all__ = ["SCALE_MAX", "CookError", "cook", "write_rfield"]
+__all__ = ["SCALE_MAX", "CookError", "cook", "geometry_counts", "write_rfield"]
 
 SCALE_MAX = 1e-6
 """m; coarsest count of the int16 geometry.  Coarser counts would show in the force of a first contact."""
@@ -85,7 +85,7 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
         _check(way)
     _check_ways(ways, cosines)
     geometry, amplitudes = field.geometry.signed_distance, field.amplitudes
-    counts, scale, bias = _counts(geometry)
+    counts, scale, bias = geometry_counts(geometry)
     amplitude_index, rows = _amplitude_rows([way.amplitudes for way in ways])
     provenance = json.dumps(_plain(field.provenance), sort_keys=True, separators=(",", ":"), allow_nan=False)
     arrays = [
@@ -164,7 +164,8 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
     return bytes(data)
 
 
-def _counts(lattice: Lattice) -> tuple[np.ndarray, float, float]:
+def geometry_counts(lattice: Lattice) -> tuple[np.ndarray, float, float]:
+    """(counts, scale, bias): a file's coefficients are bias + scale * counts, m.  Raises CookError."""
     c = lattice.coefficients[..., 0]
     low, high = float(c.min()), float(c.max())
     scale = max((high - low) / 65000.0, 1e-9)

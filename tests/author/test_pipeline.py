@@ -10,6 +10,7 @@ import pytest
 
 from palpate.assets import scene_path
 from palpate.author import pipeline
+from palpate.author.errors import InputError
 from palpate.author.scene import load_scene
 from palpate.author.validate import validate
 from palpate.fields.usd_read import read_field, tools
@@ -30,15 +31,16 @@ def block(out, tmp_path_factory):
     text = scene_path("palpation_block").read_text()
     text = text.replace('"../phantoms/', f'"{scene_path("palpation_block").parents[1]}/phantoms/')
     text = text.replace('radius = "15 mm"', 'radius = "8 mm"').replace("held_out = 4", "held_out = 1")
+    text += '\n[[tool]]\nname = "ball_45"\nshape = "sphere"\nradius = "4.5 mm"\nfriction = 0.1\n'
     path = tmp_path_factory.mktemp("scene") / "block.toml"
     path.write_text(text)
     scene = load_scene(path)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pipeline, "node_count", lambda area, tolerance: NODES)
         patch.setattr(pipeline, "NEAR_CHECKS", 1)
-        result = pipeline.author(scene, out)
-        again = pipeline.author(scene, out)
-    return result, again
+        result = pipeline.author(scene, out, tool="ball_5mm")
+        again = pipeline.author(scene, out, tool="ball_5mm")
+    return result, again, scene
 
 
 def test_the_rendered_force_is_within_the_scene_s_tolerance_of_fresh_finite_elements(block):
@@ -70,7 +72,7 @@ def test_action_and_reaction_are_in_every_record(block, out):
 
 
 def test_a_second_run_presses_nothing_again_and_gives_the_same_field(block, out):
-    first, again = block
+    first, again, _ = block
     assert again["tools"][0]["force_error"] == first["tools"][0]["force_error"]
     assert {row["name"]: row["seconds"] for row in again["stages"]}["presses"] < 5.0
 
@@ -84,3 +86,37 @@ def test_validate_judges_the_asset_alone_as_the_pipeline_did(block, out):
 def test_the_report_is_there(block, out):
     assert (out / "report" / "index.html").stat().st_size > 100_000
     assert "ball_5mm" in (out / "report" / "index.html").read_text()
+
+
+def test_a_second_tool_is_added_and_touches_nothing_of_the_first(block, out, monkeypatch):
+    """Its presses find the organ's far field kept; the summary speaks of both."""
+    first = [
+        out / "fields" / "ball_5mm.usdc",
+        out / "ball_5mm.rfield",
+        out / "contact.usdc",
+        out / "geometry.usdc",
+    ]
+    before = [(path.read_bytes(), path.stat().st_mtime_ns) for path in first]
+    records = set((out / "work" / "press").glob("*.npz"))
+    monkeypatch.setattr(pipeline, "node_count", lambda area, tolerance: 3)
+    monkeypatch.setattr(pipeline, "TRUTH", "near_field")
+    monkeypatch.setattr(pipeline, "NEAR_CHECKS", 0)
+    result = pipeline.author(block[2], out, tool="ball_45")
+    assert [(path.read_bytes(), path.stat().st_mtime_ns) for path in first] == before
+    assert tools(out) == ["ball_45", "ball_5mm"] and asset_errors(out) == []
+    assert [row["name"] for row in result["tools"]] == ["ball_5mm", "ball_45"]
+    assert result["tools"][0] == json.loads(json.dumps(block[1]["tools"][0]))
+    new = set((out / "work" / "press").glob("*.npz")) - records
+    assert len(new) == 4
+    for path in new:
+        assert json.loads(str(np.load(path)["_json"]))["far_field_kept"]
+
+
+def test_a_tool_is_not_added_to_another_organ_s_asset(block, out):
+    with pytest.raises(InputError, match=r"is no tool of this scene.*ball_5mm"):
+        pipeline.author(block[2], out, tool="knife")
+    scene = block[2]
+    held = scene.organ.support[0].model_copy(update={"kind": "elastic", "stiffness": 1e6})
+    other = scene.model_copy(update={"organ": scene.organ.model_copy(update={"support": [held]})})
+    with pytest.raises(InputError, match="not this scene's"):
+        pipeline.author(other, out, tool="ball_45")

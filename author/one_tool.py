@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""One tool of a scene, added to an asset that holds others, or put in its own place there.
+
+What does not depend on the tool is the asset's: organ, reach and contact geometry.  Whether they are the scene's is
+found out before anything is pressed.  The other tools' files are not touched.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from palpate.author.errors import InputError, InputProblem
+from palpate.author.field_stage import tool_band
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import Tool
+from palpate.fields.organ_geometry import OrganGeometry, organ_hash
+from palpate.fields.response_field import ContactGeometry
+from palpate.fields.usd_read import interface_path, read_contact, stored_hashes
+
+__all__ = ["asset_geometry", "chosen_tools", "with_other_tools"]
+
+SLACK = 1e-9
+"""m; by which bands are compared."""
+
+
+def chosen_tools(scene: Scene, name: str) -> list[Tool]:
+    """The scene's tool of that name; all of them where it is empty.  Raises InputError."""
+    chosen = [tool for tool in scene.tool if name in ("", tool.name)]
+    if not chosen:
+        known = "one of " + ", ".join(tool.name for tool in scene.tool)
+        raise InputError(InputProblem("", "--tool", name, "is no tool of this scene", known))
+    return chosen
+
+
+def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path) -> ContactGeometry | None:
+    """The contact geometry of the asset in `folder`, when `tool` can be added to it; None where there is no asset.
+
+    Raises:
+        InputError: the asset is of another organ, mesh, support or reach, or is not known as deep or as far out as the
+            tool needs.
+    """
+    if not any(not path.name.startswith(".") for path in folder.glob("*.usda")):
+        return None
+    interface = interface_path(folder)
+    everything = (
+        "--out with another folder, or the whole scene again without --tool: what was pressed is kept"
+    )
+    if interface.stem != organ.name or stored_hashes(interface)[0] != organ_hash(organ):
+        what = "holds an asset whose organ, mesh, supports or reach are not this scene's"
+        raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
+    geometry = read_contact(interface)
+    low, high = tool_band(scene, tool)
+    if low < geometry.band[0] - SLACK or high > geometry.band[1] + SLACK:
+        known, needed = (_millimetres(*band) for band in (geometry.band, (low, high)))
+        what = f"needs the organ's distance known {needed} from the surface; this asset knows it {known}"
+        raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
+    return geometry
+
+
+def _millimetres(low: float, high: float) -> str:
+    return f"from {1e3 * low:.1f} to {1e3 * high:.1f} mm"
+
+
+def with_other_tools(summary: dict[str, Any], folder: Path, names: Sequence[str]) -> dict[str, Any]:
+    """`summary` with what the folder's last summary said of the other tools.
+
+    Args:
+        names: of the asset's tools, in the order of the rows.
+    """
+    before: dict[str, Any] = {}
+    with suppress(OSError, ValueError):
+        before = json.loads((folder / "summary.json").read_text())
+    rows = {row["name"]: row for row in (*before.get("tools", []), *summary["tools"]) if row["name"] in names}
+    new = {row["name"] for row in summary["tools"]}
+    kept = [failure for failure in before.get("failures", []) if failure["tool"] not in new]
+    tools = [rows[name] for name in names if name in rows]
+    return {
+        **summary,
+        "tools": tools,
+        "tolerance_met": all(row["met"] for row in tools),
+        "failures": [*kept, *summary["failures"]],
+    }

@@ -16,7 +16,8 @@ into the stiffest place that was drawn, and says whether it comes to rest.
 Sliding: the field pushes along the surface where its stiffness varies, |t| = |sum_r phi_r(d) grad a_r| at a normal
 force f_n.  An interpolation that leaves this push out (response = "axial", the published scheme) creates energy, which
 friction hides only where mu f_n >= |t|.  sliding_share is the share of contact where it does with the field's own mu,
-and friction_needed the mu that would hide it everywhere; the potential, which does push, needs neither.
+and friction_needed the mu that would hide it at every place that was drawn, a lower bound for everywhere; the
+potential, which does push, needs neither.
 """
 
 from __future__ import annotations
@@ -154,7 +155,7 @@ def _sliding(places: np.ndarray) -> dict[str, float]:
 
 def _sentence(met: bool, needed: dict[str, Any], damping: float, dry_friction: float) -> str:
     if met:
-        return "This device renders the whole field without adding energy."
+        return "Nothing that this device renders of the field adds energy."
     missing = []
     if damping < needed["damping_needed"]:
         rate = needed["rate_needed"]

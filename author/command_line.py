@@ -301,7 +301,8 @@ def certify(
         typer.Option("--scene", help="scene file whose [device] it is; options replace its numbers"),
     ] = None,
     device: Annotated[
-        str | None, typer.Option("--device", help='with a profile, such as "omega.3" or "Touch"')
+        str | None,
+        typer.Option("--device", help='such as "omega.3"; of a [device] only the rate then counts'),
     ] = None,
     rate: Annotated[float | None, typer.Option("--rate", help="Hz, of the servo loop")] = None,
     damping: Annotated[float | None, typer.Option("--damping", help="N s/m, of the device")] = None,

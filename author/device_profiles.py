@@ -3,12 +3,13 @@
 """What is published of haptic devices, and the damping that follows from it.
 
 CHAI3D (3.3, src/devices/CDeltaDevices.cpp and CPhantomDevices.cpp, read 2026) gives each device the largest force and
-the largest stiffness that its examples may render.  Makers publish no damping.  A device that holds a stiffness sigma
-steady at CHAI3D's 1 kHz takes at least the energy that holding it over T = 1 ms gives, so by the bound of certify.py
+the largest stiffness that its examples may render.  Makers publish no damping.  If that stiffness sigma is steady in a
+loop of T = 1 ms, the device takes the energy that holding it gives, so by the bound of certify.py
 
     B = sigma T / 2
 
-is what it certainly has, dry friction and the hand's share included.  A damping that was measured is better.
+is an estimate of its damping, dry friction and the hand's share included.  CHAI3D does not say at what rate its limits
+hold; at a faster one B would be smaller.  A damping that was measured is better.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 __all__ = ["PROFILES", "DeviceProfile", "profile_named"]
 
 PERIOD = 1e-3
-"""s, of the loop that CHAI3D's limits are for."""
+"""s, of the loop in which CHAI3D's limits are taken to be steady."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,8 @@ class DeviceProfile:
     def source(self) -> str:
         """How the damping was found, as a clause."""
         return (
-            f"{self.damping:.3g} N s/m of damping, hand and friction included, from the {self.stiffness_max:g} N/m "
-            f"that CHAI3D lets {self.name} hold at 1 kHz"
+            f"{self.damping:.3g} N s/m of damping, hand and friction included: an estimate, as if the "
+            f"{self.stiffness_max:g} N/m that CHAI3D allows {self.name} were steady at 1 kHz"
         )
 
 

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The haptic device that a field is held against: a scene's [device] table, options in its place, and what nobody said.
 
-A name brings what is published of that device (device_profiles.py); numbers in the table replace that, and options
-replace both.  Without a damping and a rate there is no verdict; whatever else is missing counts as none of it, and that
-is listed as assumed, as is a damping that follows from a profile.
+A name brings what is published of that device (device_profiles.py); a table has a name or numbers, and options replace
+either.  Without a damping and a rate there is no verdict; whatever else is missing counts as none of it, and that is
+listed as assumed, as is a damping that follows from a profile and a rate that the table left to its default.
 """
 
 from __future__ import annotations
@@ -90,15 +90,14 @@ def device_from(
     if damping is None:
         whose = f'of the device "{name}" is' if name else "is"
         what = f"{whose} not known: makers do not publish it and it is not guessed"
-        expected = (
-            f"--damping in N s/m, as measured (or damping in the scene's [device]), or --device: {known}"
-        )
+        expected = f"--damping in N s/m, as measured, or --device: {known}"
         problems.append(InputProblem(str(scene or ""), "--damping", None, what, expected))
     if rate is None:
         what, expected = "is not given", '--rate in Hz, or --scene with a [device] (rate = "1 kHz")'
         problems.append(InputProblem("", "--rate", None, what, expected))
     if problems or damping is None or rate is None:
         raise InputError(problems)
+    by_default = table is not None and "rate" not in table.model_fields_set and rate == table.rate
     missing = {
         "no computation delay (--delay)": delay,
         "exact positions (--quantum)": quantum,
@@ -115,6 +114,7 @@ def device_from(
         MASS if mass is None else mass,
         (
             *([profile.source] if derived else []),
+            *([f"{rate:g} Hz, the table's default (--rate)"] if by_default else []),
             *(clause for clause, value in missing.items() if value is None),
         ),
     )

@@ -41,8 +41,8 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
     """The contact geometry of the asset in `folder`, when `tool` can be added to it; None where there is no asset.
 
     Raises:
-        InputError: the asset is of another organ, mesh, support or reach, or is not known as deep or as far out as the
-            tool needs.
+        InputError: the asset is of another organ, material, mesh, support, region or reach (of its first tool), or is
+            not known as deep or as far out as the tool needs.
     """
     if not any(not path.name.startswith(".") for path in folder.glob("*.usda")):
         return None
@@ -51,7 +51,7 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
         "--out with another folder, or the whole scene again without --tool: what was pressed is kept"
     )
     if interface.stem != organ.name or stored_hashes(interface)[0] != organ_hash(organ):
-        what = "holds an asset whose organ, mesh, supports or reach are not this scene's"
+        what = "holds an asset whose organ, material, mesh, supports, regions or reach are not this scene's"
         raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
     geometry = read_contact(interface)
     low, high = tool_band(scene, tool)
@@ -67,10 +67,11 @@ def _millimetres(low: float, high: float) -> str:
 
 
 def with_other_tools(summary: dict[str, Any], folder: Path, names: Sequence[str]) -> dict[str, Any]:
-    """`summary` with what the folder's last summary said of the other tools.
+    """`summary` with what the folder's last summary said of the other tools; times and versions are of this run.
 
     Args:
-        names: of the asset's tools, in the order of the rows.
+        names: of the asset's tools.  Those that no summary speaks of are listed under "not_judged", and no tolerance
+            is said to be met then.
     """
     before: dict[str, Any] = {}
     with suppress(OSError, ValueError):
@@ -78,10 +79,11 @@ def with_other_tools(summary: dict[str, Any], folder: Path, names: Sequence[str]
     rows = {row["name"]: row for row in (*before.get("tools", []), *summary["tools"]) if row["name"] in names}
     new = {row["name"] for row in summary["tools"]}
     kept = [failure for failure in before.get("failures", []) if failure["tool"] not in new]
-    tools = [rows[name] for name in names if name in rows]
+    not_judged = [name for name in names if name not in rows]
     return {
         **summary,
-        "tools": tools,
-        "tolerance_met": all(row["met"] for row in tools),
-        "failures": [*kept, *summary["failures"]],
+        "tools": list(rows.values()),
+        "not_judged": not_judged,
+        "tolerance_met": not not_judged and all(row["met"] for row in rows.values()),
+        "failures": [*(failure for failure in kept if failure["tool"] in names), *summary["failures"]],
     }

@@ -164,9 +164,10 @@ def author(
     summary["seconds"] = time.perf_counter() - begun
     summary["cpu_seconds"] = sum(use.ru_utime + use.ru_stime for use in usage)
     from palpate.author.report import write_report
+    from palpate.fields.usd_read import tools as asset_tools
 
     if tool:
-        summary = with_other_tools(summary, out, [row.name for row in scene.tool])
+        summary = with_other_tools(summary, out, asset_tools(out))
     summary["report"] = str(write_report(out, summary))
     (out / "summary.json").write_text(json.dumps(summary, indent=1))
     return summary

@@ -107,7 +107,7 @@ class NearBody(FactoredTangent):
         return self._reduce(values, self._turning.slope(y), modal)
 
     def _interface_force(self, u: np.ndarray) -> np.ndarray:
-        """(I, 3) N; kept from the state at the same u, which a Newton step looks at first."""
+        """(I, 3) N; kept from the state at the same array u, which a Newton step looks at first and nobody changes."""
         if self._pulled is None or self._pulled[0] is not u:
             self.state(u)
         assert self._pulled is not None

@@ -52,7 +52,7 @@ class Resident(ABC):
 
     @abstractmethod
     def entry(self, pattern: Any) -> np.ndarray:
-        """(items, n^2) places of element entries in the values of a pattern."""
+        """(items, entries) places of element entries in the values of a pattern, in the order of the kernel."""
 
     def place(self, arrays: dict[str, tuple[np.ndarray, Any]], rule: np.ndarray) -> None:
         """Keep arrays, each with its Warp type, and the shape functions' gradients on the device."""

@@ -31,16 +31,23 @@ def block(out, tmp_path_factory):
     text = scene_path("palpation_block").read_text()
     text = text.replace('"../phantoms/', f'"{scene_path("palpation_block").parents[1]}/phantoms/')
     text = text.replace('radius = "15 mm"', 'radius = "8 mm"').replace("held_out = 4", "held_out = 1")
-    text += '\n[[tool]]\nname = "ball_45"\nshape = "sphere"\nradius = "4.5 mm"\nfriction = 0.1\n'
     path = tmp_path_factory.mktemp("scene") / "block.toml"
     path.write_text(text)
     scene = load_scene(path)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pipeline, "node_count", lambda area, tolerance: NODES)
         patch.setattr(pipeline, "NEAR_CHECKS", 1)
-        result = pipeline.author(scene, out, tool="ball_5mm")
-        again = pipeline.author(scene, out, tool="ball_5mm")
-    return result, again, scene
+        result = pipeline.author(scene, out)
+        again = pipeline.author(scene, out)
+    return result, again, path
+
+
+def with_tool(path, radius):
+    """The scene with a second tool, another ball that presses 3 mm deep."""
+    more = f'[[tool]]\nname = "another"\nshape = "sphere"\nradius = "{radius}"\nfriction = 0.1\ndepth_max = "3 mm"\n'
+    other = path.with_name("two_tools.toml")
+    other.write_text(path.read_text() + more)
+    return load_scene(other)
 
 
 def test_the_rendered_force_is_within_the_scene_s_tolerance_of_fresh_finite_elements(block):
@@ -101,10 +108,10 @@ def test_a_second_tool_is_added_and_touches_nothing_of_the_first(block, out, mon
     monkeypatch.setattr(pipeline, "node_count", lambda area, tolerance: 3)
     monkeypatch.setattr(pipeline, "TRUTH", "near_field")
     monkeypatch.setattr(pipeline, "NEAR_CHECKS", 0)
-    result = pipeline.author(block[2], out, tool="ball_45")
+    result = pipeline.author(with_tool(block[2], "4.5 mm"), out, tool="another")
     assert [(path.read_bytes(), path.stat().st_mtime_ns) for path in first] == before
-    assert tools(out) == ["ball_45", "ball_5mm"] and asset_errors(out) == []
-    assert [row["name"] for row in result["tools"]] == ["ball_5mm", "ball_45"]
+    assert tools(out) == ["another", "ball_5mm"] and asset_errors(out) == []
+    assert [row["name"] for row in result["tools"]] == ["ball_5mm", "another"] and not result["not_judged"]
     assert result["tools"][0] == json.loads(json.dumps(block[1]["tools"][0]))
     new = set((out / "work" / "press").glob("*.npz")) - records
     assert len(new) == 4
@@ -112,11 +119,15 @@ def test_a_second_tool_is_added_and_touches_nothing_of_the_first(block, out, mon
         assert json.loads(str(np.load(path)["_json"]))["far_field_kept"]
 
 
-def test_a_tool_is_not_added_to_another_organ_s_asset(block, out):
+def test_a_tool_that_does_not_go_with_the_asset_is_refused_before_anything_is_pressed(block, out):
+    scene = load_scene(block[2])
     with pytest.raises(InputError, match=r"is no tool of this scene.*ball_5mm"):
-        pipeline.author(block[2], out, tool="knife")
-    scene = block[2]
+        pipeline.author(scene, out, tool="knife")
+    with pytest.raises(
+        InputError, match=r"from 0\.5 to 9\.0 mm from the surface; this asset knows it from -0\.5 to 8"
+    ):
+        pipeline.author(with_tool(block[2], "6 mm"), out, tool="another")
     held = scene.organ.support[0].model_copy(update={"kind": "elastic", "stiffness": 1e6})
     other = scene.model_copy(update={"organ": scene.organ.model_copy(update={"support": [held]})})
     with pytest.raises(InputError, match="not this scene's"):
-        pipeline.author(other, out, tool="ball_45")
+        pipeline.author(other, out, tool="ball_5mm")

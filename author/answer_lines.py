@@ -16,8 +16,22 @@ def author_lines(result: dict[str, Any]) -> str:
         presses = f"{tool['presses']} presses ({tool['failed']} failed), {tool['nodes']} nodes"
         size = f"{tool['bytes'] / 1024:.0f} KiB"
         lines.append(f"{tool['name']}: {presses}, {size}; force error {percentiles(tool['force_error'])}")
+        if sampling := tool.get("sampling"):
+            lines.append(
+                f"{tool['name']}: sampling ended: {sampling['ended']}{_estimated(sampling['rounds'])}"
+            )
     lines.append("tolerance met" if result["tolerance_met"] else "tolerance NOT met")
     return "\n".join(lines)
+
+
+def _estimated(rounds: dict[str, Any]) -> str:
+    if not rounds:
+        return ""
+    last = {name: values[-1] for name, values in rounds.items()}
+    return (
+        f"; at {last['nodes']} nodes an estimated {100 * last['estimate']:.2g} % at 95 % of the reach, "
+        f"{100 * last['worst']:.2g} % at worst, no place farther than {1e3 * last['gap']:.1f} mm from a node"
+    )
 
 
 def replay_lines(result: dict[str, Any]) -> str:

@@ -34,7 +34,7 @@ CAPABILITIES: dict[str, Any] = {
     "depth over tool radius": 1.0,
     "responses": ("potential",),
     "fidelities": ("linear", "near_field", "full"),
-    "time budget": False,
+    "time budget": True,
     "chosen knots": True,
     "device": True,
     "places": ("box", "sphere", "half_space", "surface"),

@@ -7,7 +7,9 @@ Presses: interpolating from N nodes over 148 cm2 of a liver left errors at the 9
 
     error = 5.9 % (N / 200)^-1.4         so     N = 200 (area / 148 cm2) (5.9 % / error)^(1 / 1.4)
 
-An estimate to plan with, right to a factor of two; what an asset reaches is measured on held-out presses.
+An estimate to plan with, right to a factor of two; what an asset reaches is measured on held-out presses.  It is the
+most that a tool presses: sampling by error (sampling_by_error.py) begins with SEEDS of it and ends as soon as its own
+estimate of the error allows.  A region asks for more, around its border.
 """
 
 from __future__ import annotations
@@ -15,7 +17,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-__all__ = ["NODES_AT_LEAST", "PRESS_SECONDS", "node_count", "press_memory", "worker_count"]
+__all__ = [
+    "NODES_AT_LEAST",
+    "PRESS_SECONDS",
+    "node_count",
+    "press_memory",
+    "region_nodes",
+    "seed_count",
+    "worker_count",
+]
 
 PRESS_SECONDS: dict[str, float] = {"linear": 6.0, "near_field": 10.0, "full": 120.0}
 """CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core."""
@@ -42,7 +52,21 @@ These were measured when a near-field press held no factor of the whole organ.  
 """
 
 NODES_AT_LEAST = 12
-"""Fewest nodes that a field is built from (count)."""
+"""Fewest nodes that a field may have (count)."""
+SEEDS, SEEDS_AT_LEAST = 0.35, 8
+"""Share of the most nodes that is pressed before errors are estimated; and fewest (count)."""
+REGION_NODES = 60
+"""Nodes more for each region; a nodule of 8 mm, 6 times as stiff, took 25 to 36 (tests/benchmarks/sampling.py)."""
+
+
+def seed_count(most: int) -> int:
+    """Nodes to begin with, of `most`."""
+    return min(most, max(SEEDS_AT_LEAST, math.ceil(SEEDS * most)))
+
+
+def region_nodes(regions: int) -> int:
+    """Nodes more for so many regions."""
+    return REGION_NODES * regions
 
 
 def node_count(area: float, force_tolerance: float) -> int:

@@ -22,7 +22,7 @@ from palpate.fields.contact_geometry import contact_geometry
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
 from palpate.fields.response_field import ContactGeometry, ResponseField
 
-__all__ = ["band_of", "contact_geometry_of", "field_of", "tool_band"]
+__all__ = ["band_of", "contact_geometry_of", "field_of", "knots_of", "press_arrays", "tool_band"]
 
 SMALL_MOVE = 1e-4
 """m; the linear sticking stiffness is handed on as two moves this long."""
@@ -84,6 +84,22 @@ def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
     )
 
 
+def press_arrays(scene: Scene, tool: Tool, outcome: PressOutcome) -> tuple[PressArrays | None, str]:
+    """A press as the field takes it, None where it cannot become a node; and what went wrong with it, in words."""
+    friction = (tool.friction or 0.0) if "friction" in scene.effects else None
+    if len(outcome.arrays["depth"]) < 2:
+        return None, outcome.values["reason"]
+    press = _arrays(outcome, friction)
+    why = why_unusable(press, scene.depth_max(tool))
+    return (None if why else press), why or outcome.values["reason"]
+
+
+def knots_of(scene: Scene, tool: Tool) -> np.ndarray:
+    """(K,) m, depths of the node curves."""
+    count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
+    return uniform_knots(scene.depth_max(tool), count)
+
+
 def field_of(
     scene: Scene,
     tool: Tool,
@@ -94,25 +110,18 @@ def field_of(
     provenance: dict[str, Any],
 ) -> tuple[ResponseField, list[dict[str, Any]]]:
     """The field of one tool, and the presses that could not become nodes, each with its reason."""
-    depth_max = scene.depth_max(tool)
-    friction = (tool.friction or 0.0) if "friction" in scene.effects else None
     usable, failures = [], []
     for outcome in outcomes:
-        reason = outcome.values["reason"]
-        press = None
-        if len(outcome.arrays["depth"]) > 1:
-            press = _arrays(outcome, friction)
-            reason = why_unusable(press, depth_max) or reason
-        if press is not None and why_unusable(press, depth_max) is None:
+        press, reason = press_arrays(scene, tool, outcome)
+        if press is not None:
             usable.append(press)
         if reason:
             point = list(outcome.job.contact_point)
             failures.append(
                 {"tool": tool.name, "contact_point": point, "reason": reason, "hash": outcome.key}
             )
-    count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
     reference = reference_of(tool.name, shape_of(scene, tool))
-    nodes = fit_nodes(usable, uniform_knots(depth_max, count), reference.offset, geometry)
+    nodes = fit_nodes(usable, knots_of(scene, tool), reference.offset, geometry)
     field = build_field(
         nodes, geometry, reference, samples.beyond(mesh), margin=REACH_MARGIN, provenance=provenance
     )

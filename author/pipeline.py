@@ -5,18 +5,14 @@
 from __future__ import annotations
 
 import json
-import platform
 import resource
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, ExitStack
-from importlib import metadata
-from itertools import islice
+from functools import cache
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from palpate.author.batch_executor import (
     PRESSES_A_CORE,
@@ -24,43 +20,27 @@ from palpate.author.batch_executor import (
     device_named,
     threads_by_process,
 )
-from palpate.author.effort import node_count
-from palpate.author.errors import InputError
-from palpate.author.field_stage import contact_geometry_of, field_of
-from palpate.author.held_out import held_out_jobs, judgement
-from palpate.author.mechanics import mechanics_version
+from palpate.author.field_stage import contact_geometry_of
 from palpate.author.one_tool import asset_geometry, chosen_tools, with_other_tools
 from palpate.author.organ_stage import OrganMesh, mesh_organ
+from palpate.author.plan import fidelities_of
 from palpate.author.press_executor import core_count, fitting_workers, press_executor
 from palpate.author.press_jobs import PressJob, PressOutcome, run_jobs
 from palpate.author.press_rate import PressRate
 from palpate.author.progress import Progress, SilentProgress
-from palpate.author.sampling import ReachSamples, farthest_points, held_out_points, reach_samples
+from palpate.author.sampling import ReachSamples, reach_samples
 from palpate.author.scene import Scene
-from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
-from palpate.author.tool_stage import ToolShape, heading_matters, reference_of, shape_of
+from palpate.author.tool_stage import shape_of
+from palpate.author.tool_work import ToolWork, versions
 from palpate.fields.organ_geometry import OrganGeometry
+from palpate.fields.response_field import ContactGeometry
 
-__all__ = ["author", "ladder", "node_jobs"]
+__all__ = ["author"]
 
-LADDER_STEPS = 10
-"""Depths of a normal ladder, evenly spaced: a step of 0.1 R at depth R."""
-NEAR_CHECKS = 2
-"""Held-out points pressed at near_field fidelity as well, so that the far field's own error is known."""
-TRUTH = "full"
-"""Fidelity of held-out presses."""
-
-
-def ladder(depth_max: float) -> np.ndarray:
-    """(LADDER_STEPS,) m."""
-    return depth_max * np.arange(1, LADDER_STEPS + 1) / LADDER_STEPS
-
-
-def node_jobs(points: np.ndarray, tool: ToolShape, depth_max: float, fidelity: str) -> list[PressJob]:
-    depths = tuple(map(float, ladder(depth_max)))
-    return [PressJob(tuple(map(float, point)), tool, depths, fidelity) for point in points]
+FITTING = 0.1
+"""Share of the time budget that is left for fitting, writing and judging."""
 
 
 def author(
@@ -107,23 +87,21 @@ def author(
             executor = stack.enter_context(_cluster(scheduler, progress))
         stages.begin("surface and tetrahedra")
         mesh = mesh_organ(scene, store)
-        tools = [_ToolWork(scene, mesh, tool) for tool in chosen]
+        tools = [ToolWork(scene, mesh, tool) for tool in chosen]
         samples = _reach(scene, mesh, tools)
         organ = _organ(mesh, samples)
-        geometry = asset_geometry(scene, chosen[0], organ, out) if tool else None
-        jobs = [job for work in tools for job in work.jobs]
-        stages.begin("presses", len(jobs))
+        known = asset_geometry(scene, chosen[0], organ, out) if tool else None
+        geometry = cache(
+            lambda: known or contact_geometry_of(scene, mesh, samples)
+        )  # while first presses run
         if executor is None:
-            executor = stack.enter_context(_here(mesh, jobs, progress, workers, device, batch))
-        pressed = _pressed(mesh, jobs, store, executor, progress)
-    outcomes = iter(pressed)
-    for work in tools:
-        work.take(outcomes)
+            executor = stack.enter_context(_here(mesh, scene, progress, workers, device, batch))
+        budget = scene.accuracy.time_budget
+        until = None if budget is None else begun + (1.0 - FITTING) * budget
+        pressed = _pressed(mesh, tools, geometry, store, executor, stages, until)
 
-    stages.begin("contact geometry and response field")
-    if geometry is None:
-        geometry = contact_geometry_of(scene, mesh, samples)
-    fields = [work.fit(scene, mesh, geometry) for work in tools]
+    stages.begin("response field")
+    fields = [work.fit(geometry()) for work in tools]
 
     stages.begin("asset")
     asset = _write(out, organ, fields, replace=not tool)
@@ -131,7 +109,7 @@ def author(
 
     stages.begin("validation")
     for work, result in zip(tools, results, strict=True):
-        judged = work.validate(scene, out, result["rfield"])
+        judged = work.validate(out, result["rfield"])
         result.update(
             presses=len(work.node_outcomes) + len(judged["presses"]),
             failed=len(work.failures) + judged["failed"],
@@ -141,6 +119,7 @@ def author(
             stuck_error=judged["stuck_error"],
             far_field_error=judged["far_field_error"],
             met=judged["met"],
+            sampling=work.rounds.sampling.report(),
         )
 
     stages.begin("report")
@@ -154,7 +133,7 @@ def author(
         "left_out": samples.left_out,
         "damaged_records": store.damaged,
         "seed": scene.accuracy.seed,
-        "versions": _versions(),
+        "versions": versions(),
         "hashes": {"organ": mesh.hash, "scene": digest(scene.hash_inputs())},
         "press_memory": max(outcome.values.get("peak_memory", 0) for outcome in pressed),
         "peak_memory": max(use.ru_maxrss for use in usage) * 1024,
@@ -180,16 +159,11 @@ def _cluster(address: str, progress: Progress) -> AbstractContextManager[Executo
 
 
 def _here(
-    mesh: OrganMesh,
-    jobs: list[PressJob],
-    progress: Progress,
-    workers: int | None,
-    device: str,
-    batch: int | None,
+    mesh: OrganMesh, scene: Scene, progress: Progress, workers: int | None, device: str, batch: int | None
 ) -> AbstractContextManager[Executor]:
     """This machine's processes, as many as memory holds."""
     asked = (batch or PRESSES_A_CORE * core_count()) if device else workers
-    count, limited = fitting_workers(len(mesh.tets), {job.fidelity for job in jobs}, asked)
+    count, limited = fitting_workers(len(mesh.tets), fidelities_of(scene), asked)
     if limited:
         progress.say(limited)
     if device:
@@ -198,15 +172,45 @@ def _here(
 
 
 def _pressed(
-    mesh: OrganMesh, jobs: list[PressJob], store: Store, executor: Any, progress: Progress
+    mesh: OrganMesh,
+    tools: list[ToolWork],
+    geometry: Callable[[], ContactGeometry],
+    store: Store,
+    executor: Any,
+    stages: _Stages,
+    until: float | None,
 ) -> list[PressOutcome]:
-    rate = PressRate(jobs, lambda: executor.workers)
+    """All presses: seeds, held-out ones, and nodes where the error is largest until it is small or time (s) is up."""
+    progress = stages.progress
+    asked = {"organ": mesh.hash, "tools": [work.shape.hash for work in tools]}
+    width = _kept_width(store, digest(asked), max(1, executor.workers))
+    out_of_time: Callable[[], bool] = lambda: until is not None and time.perf_counter() > until  # noqa: E731
+    first = [job for work in tools for job in work.begin(geometry, width, out_of_time)]
+    checks = sum(len(work.held_jobs) + len(work.near_jobs) for work in tools)
+    stages.begin("presses", checks + sum(work.most for work in tools))
+    rate = PressRate(first, lambda: executor.workers)
 
     def done(outcome: PressOutcome) -> None:
         rate.arrived(outcome)
-        progress.advance(1, rate.note, rate.left)
+        for work in tools:
+            work.arrived(outcome)
+        notes = [rate.note, *(work.rounds.sampling.note for work in tools)]
+        if until is not None:
+            notes.append(f"{max(0.0, until - time.perf_counter()) / 60.0:.1f} min of the budget left")
+        progress.advance(1, ", ".join(filter(None, notes)), rate.left)
 
-    return run_jobs(mesh, jobs, store, executor, done)
+    def more() -> list[PressJob]:
+        jobs = [job for work in tools for job in work.rounds.more()]
+        rate.asked(jobs)
+        return jobs
+
+    return run_jobs(mesh, first, store, executor, done, more=more)
+
+
+def _kept_width(store: Store, key: str, workers: int) -> int:
+    """Presses chosen at once: as many as there were workers at first, so that going on asks for the same presses."""
+    _, values = store.kept("batches", key, lambda: ({}, {"width": workers}))
+    return int(values["width"])
 
 
 class _Stages:
@@ -229,108 +233,7 @@ class _Stages:
         self._name = ""
 
 
-class _ToolWork:
-    """What one tool asks for: its places, its presses, its field, its judgement."""
-
-    def __init__(self, scene: Scene, mesh: OrganMesh, tool: Tool) -> None:
-        self.tool = tool
-        self.shape = shape_of(scene, tool)
-        self.reference = reference_of(tool.name, self.shape)
-        self.depth_max = scene.depth_max(tool)
-        self.seed = scene.accuracy.seed
-        self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.shape, self.depth_max)
-        if not self.samples.allowed.any():
-            why = "; ".join(f"{count} places: {reason}" for reason, count in self.samples.left_out.items())
-            raise InputError(
-                scene.problem("reach", None, f"has no place that {tool.name} can press ({why or 'nothing there'})",
-                              "free, thick enough surface of the organ, outside its supports")
-            )  # fmt: skip
-        _refuse_jumping_heading(scene, tool, self.shape, self.samples)
-        area = len(self.samples.points) * self.samples.spacing**2
-        count = node_count(area, scene.accuracy.force_tolerance)
-        held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
-        nodes = farthest_points(self.samples, count)
-        friction = (tool.friction or 0.0) if "friction" in scene.effects else 0.0
-        shape, depths = self.shape, ladder(self.depth_max)
-        points = self.samples.points
-        self.node_jobs = node_jobs(points[nodes], shape, self.depth_max, scene.accuracy.fidelity)
-        self.held_jobs = held_out_jobs(points[held], shape, depths, friction, TRUTH, self.seed)
-        self.near_jobs = (
-            node_jobs(points[held[:NEAR_CHECKS]], shape, self.depth_max, "near_field")
-            if scene.accuracy.fidelity == "near_field"
-            else []
-        )
-        self.failures: list[dict[str, Any]] = []
-
-    @property
-    def jobs(self) -> list[PressJob]:
-        """Longest first, so that no core waits at the end."""
-        return [*self.held_jobs, *self.node_jobs, *self.near_jobs]
-
-    def take(self, outcomes: Iterator[PressOutcome]) -> None:
-        """The outcomes of `jobs`, in their order."""
-        self.held_outcomes = list(islice(outcomes, len(self.held_jobs)))
-        self.node_outcomes = list(islice(outcomes, len(self.node_jobs)))
-        self.near_outcomes = list(islice(outcomes, len(self.near_jobs)))
-
-    def fit(self, scene: Scene, mesh: OrganMesh, geometry: Any) -> Any:
-        provenance = {
-            "scene": {
-                "hash": digest(scene.hash_inputs()),
-                "name": scene.name,
-                "effects": list(scene.effects),
-                "support": [s.model_dump(mode="json", exclude_none=True) for s in scene.organ.support],
-                "region": [r.model_dump(mode="json", exclude_none=True) for r in scene.organ.region],
-                "reach": scene.reach.model_dump(mode="json", exclude_none=True),
-                "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
-                "capsule": scene.organ.capsule
-                and scene.organ.capsule.model_dump(mode="json", exclude_none=True),
-                "tool": self.tool.model_dump(mode="json", exclude_none=True),
-                "accuracy": scene.accuracy.model_dump(mode="json", exclude_none=True),
-            },
-            "organ": mesh.hash,
-            "tool": self.reference.hash,
-            "presses": {
-                "mechanics": mechanics_version(),
-                "fidelity": scene.accuracy.fidelity,
-                "depths": LADDER_STEPS,
-            },
-            "seed": self.seed,
-            "versions": _versions(),
-        }
-        field, self.failures = field_of(
-            scene, self.tool, mesh, self.samples, geometry, self.node_outcomes, provenance
-        )
-        return field
-
-    def validate(self, scene: Scene, out: Path, rfield: str) -> dict[str, Any]:
-        from palpate.runtime import Field
-
-        judged = judgement(
-            Field.open(rfield),
-            self.reference.offset,
-            self.held_outcomes,
-            self.near_outcomes,
-            scene.accuracy.force_tolerance,
-        )
-        judged = {"tool": self.tool.name, "seed": self.seed, **judged}
-        path = out / "validation" / f"{self.tool.name}.json"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(json.dumps(judged))
-        return judged
-
-
-def _refuse_jumping_heading(scene: Scene, tool: Tool, shape: ToolShape, samples: ReachSamples) -> None:
-    """A tool that is not round has a heading, which `tangents` can only give smoothly over part of a surface."""
-    leaning = np.unique(np.argmin(np.abs(samples.normals[samples.allowed]), axis=1))
-    if heading_matters(shape) and len(leaning) > 1:
-        key = f"tool[{scene.tool.index(tool)}]"
-        what = "is not round about the surface's normal, and its heading would jump within the reach"
-        expected = "a smaller or flatter reach, a round tool held upright, or single presses (palpate press)"
-        raise InputError(scene.problem(key, tool.name, what, expected))
-
-
-def _reach(scene: Scene, mesh: OrganMesh, tools: list[_ToolWork]) -> ReachSamples:
+def _reach(scene: Scene, mesh: OrganMesh, tools: list[ToolWork]) -> ReachSamples:
     """What the scene's first tool reaches, whether it is pressed or not: the asset's geometry is made for that."""
     first = scene.tool[0]
     known = [work.samples for work in tools if work.tool is first]
@@ -368,8 +271,3 @@ def _cooked(out: Path, field: Any) -> dict[str, Any]:
         "nodes": field.nodes.node_count,
         "representation": field.representation,
     }
-
-
-def _versions() -> dict[str, str]:
-    names = ("palpate", "numpy", "scipy", "warp-lang", "usd-core", "pytetwild", "mmgpy", "pymeshlab")
-    return {**{name: metadata.version(name) for name in names}, "python": platform.python_version()}

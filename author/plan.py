@@ -9,7 +9,14 @@ from typing import Any
 from rich.table import Table
 
 from palpate.author.console import Answer, table_of
-from palpate.author.effort import PRESS_SECONDS, node_count, press_memory, worker_count
+from palpate.author.effort import (
+    PRESS_SECONDS,
+    node_count,
+    press_memory,
+    region_nodes,
+    seed_count,
+    worker_count,
+)
 from palpate.author.material_range import refuse_unstable_materials
 from palpate.author.memory import available_memory
 from palpate.author.organ_check import OrganSummary, check_against_organ
@@ -102,6 +109,8 @@ def fidelities_of(scene: Scene) -> set[str]:
 
 def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
     nodes = node_count(area, scene.accuracy.force_tolerance)
+    seeds = seed_count(nodes)
+    nodes += region_nodes(len(scene.organ.region))
     presses = nodes + scene.accuracy.held_out
     return {
         "name": tool.name,
@@ -109,6 +118,7 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
         "radius": list(tool.radius or ()),
         "depth_max": scene.depth_max(tool),
         "friction": tool.friction if "friction" in scene.effects else None,
+        "seeds": seeds,
         "nodes": nodes,
         "held_out": scene.accuracy.held_out,
         "presses": presses,
@@ -154,12 +164,13 @@ def _summary(result: dict[str, Any]) -> str:
 
 
 def _tool_table(tools: list[dict[str, Any]]) -> Table:
-    table = table_of("tool", "shape", "depth (mm)", "nodes", "held out", "presses", "CPU")
+    table = table_of("tool", "shape", "depth (mm)", "seeds", "nodes at most", "held out", "presses", "CPU")
     for tool in tools:
         table.add_row(
             tool["name"],
             tool["shape"],
             f"{1e3 * tool['depth_max']:.1f}",
+            str(tool["seeds"]),
             str(tool["nodes"]),
             str(tool["held_out"]),
             str(tool["presses"]),

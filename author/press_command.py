@@ -22,13 +22,13 @@ from palpate.author.batch_executor import device_named
 from palpate.author.console import plain
 from palpate.author.errors import InputError, InputProblem, PalpateError
 from palpate.author.organ_stage import OrganMesh, mesh_organ
-from palpate.author.pipeline import ladder
 from palpate.author.press_jobs import PressJob, PressOutcome, run_here
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.store import Store
 from palpate.author.tool_stage import offset_of, shape_of
+from palpate.author.tool_work import ladder
 from palpate.fem_offline.pose import tangents
 
 __all__ = ["PressFiles", "press", "press_lines"]

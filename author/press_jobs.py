@@ -113,12 +113,14 @@ def run_jobs(
     executor: Executor,
     done: Callable[[PressOutcome], None] = lambda outcome: None,
     solver: Solver | None = None,
+    more: Callable[[], Sequence[PressJob]] = lambda: (),
 ) -> list[PressOutcome]:
     """Outcomes of all jobs, in their order; kept ones are not solved again.
 
     Args:
         executor: gets `submit(solver, mesh, job, folder)`, longest job first as they stand in `jobs`.
         done: called as each one ends, after it is kept.
+        more: further jobs, behind those there are; asked for when the first are under way, and when some have ended.
 
     Raises:
         PalpateError: the store cannot be written, or the executor's workers are lost.
@@ -126,34 +128,45 @@ def run_jobs(
     """
     if solver is None:
         from palpate.author.press_solve import solve as solver
-    outcomes: list[PressOutcome | None] = [None] * len(jobs)
+    jobs, keys = list(jobs), []
+    outcomes: list[PressOutcome | None] = []
     waiting: dict[Future[Result], int] = {}
 
-    def finish(i: int, key: str, result: Result, fresh: bool) -> None:
+    def finish(i: int, result: Result, fresh: bool) -> None:
         if fresh:
-            store.write("press", key, *result)
-        outcomes[i] = PressOutcome(jobs[i], key, *result, fresh=fresh)
+            store.write("press", keys[i], *result)
+        outcomes[i] = PressOutcome(jobs[i], keys[i], *result, fresh=fresh)
 
-    keys = [job.key(mesh) for job in jobs]
-    try:
-        for i, key in enumerate(keys):
-            kept = store.read("press", key)
+    def begin() -> None:
+        """Takes up the jobs that nobody has taken up yet."""
+        fresh = range(len(outcomes), len(jobs))
+        outcomes.extend([None] * len(fresh))
+        keys.extend(jobs[i].key(mesh) for i in fresh)
+        for i in fresh:
+            kept = store.read("press", keys[i])
             if kept is not None:
-                finish(i, key, kept, fresh=False)
+                finish(i, kept, fresh=False)
                 done(outcomes[i])  # type: ignore[arg-type]
-        for i, job in enumerate(jobs):
+        for i in fresh:
             if outcomes[i] is None:
-                waiting[executor.submit(solver, mesh, job, str(store.folder))] = i
-        while waiting:
+                waiting[executor.submit(solver, mesh, jobs[i], str(store.folder))] = i
+
+    try:
+        begin()
+        while (further := list(more())) or waiting:
+            if further:
+                jobs += further
+                begin()
+                continue
             for future in wait(waiting, return_when=FIRST_COMPLETED)[0]:
                 i = waiting.pop(future)
-                finish(i, keys[i], _result(future), fresh=True)
+                finish(i, _result(future), fresh=True)
                 done(outcomes[i])  # type: ignore[arg-type]
     except BaseException as error:
         with suppress(PalpateError):  # the disk may be what is wrong
             for future, i in waiting.items():
                 if future.done() and not future.cancelled() and future.exception() is None:
-                    finish(i, keys[i], future.result(), fresh=True)
+                    finish(i, future.result(), fresh=True)
         if not isinstance(error, KeyboardInterrupt):
             raise
         kept_count = sum(outcome is not None for outcome in outcomes)

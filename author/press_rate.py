@@ -44,6 +44,10 @@ class PressRate:
         self._worst: dict[str, float] = {}
         self.failed = 0
 
+    def asked(self, jobs: Sequence[PressJob]) -> None:
+        """More that will arrive."""
+        self._to_go.update(job.fidelity for job in jobs)
+
     def arrived(self, outcome: PressOutcome) -> None:
         values = outcome.values
         self._to_go[outcome.job.fidelity] -= 1

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the surface is pressed: well-spread nodes, and held-out points that never become nodes.
 
-Candidates cover the reachable surface evenly.  Nodes are chosen by farthest points (Gonzalez 1985), which reach the
-reach's border by themselves; held-out points are drawn by seed from all of it.  Places that no press could vouch
-for (held by a support, a crease that the tool's reference point sees from two sides, tissue thinner than 2.5
-depths) are left out and counted.
+Candidates cover the reachable surface evenly.  Farthest points (Gonzalez 1985), which reach the reach's border by
+themselves, are where nodes begin (seeds.py); errors choose the rest (sampling_by_error.py).  Held-out points are drawn
+by seed from all of it.  Places that no press could vouch for (held by a support, a crease that the tool's reference
+point sees from two sides, tissue thinner than 2.5 depths) are left out and counted.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_tables import Reach
 from palpate.author.tool_stage import ToolShape, contact_extent, offset_of
 
-__all__ = ["ReachSamples", "farthest_points", "held_out_points", "reach_samples"]
+__all__ = ["ReachSamples", "farthest_of", "farthest_points", "held_out_points", "reach_samples"]
 
 THICKNESS_SHARE = 0.4
 """Deepest press over local thickness: beyond it a press feels the other side, and is refused."""
@@ -138,13 +138,23 @@ def _beside_support(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, co
 def farthest_points(samples: ReachSamples, count: int) -> np.ndarray:
     """(count,) indices of allowed samples, well spread; deterministic, each prefix well spread too."""
     allowed = np.flatnonzero(samples.allowed)
-    points = samples.points[allowed]
-    chosen = [int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))]
-    distance = np.linalg.norm(points - points[chosen[0]], axis=1)
-    while len(chosen) < min(count, len(points)):
+    return allowed[farthest_of(samples.points[allowed], count)]
+
+
+def farthest_of(points: np.ndarray, count: int, first: int | None = None, least: float = 0.0) -> np.ndarray:
+    """(count,) indices of `points` (n, 3) m, well spread; fewer where they would be nearer than `least` m.
+
+    Args:
+        first: where to begin; at the middle when None.
+    """
+    if first is None:
+        first = int(np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1)))
+    chosen = [first]
+    distance = np.linalg.norm(points - points[first], axis=1)
+    while len(chosen) < min(count, len(points)) and distance.max() > least:
         chosen.append(int(np.argmax(distance)))
         distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return allowed[np.array(chosen)]
+    return np.array(chosen)
 
 
 def held_out_points(samples: ReachSamples, count: int, seed: int) -> np.ndarray:

@@ -16,7 +16,6 @@ from typing import Any
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.organ_stage import OrganMesh
-from palpate.author.pipeline import TRUTH, ladder
 from palpate.author.press_executor import fitting_workers, press_executor
 from palpate.author.press_jobs import run_jobs
 from palpate.author.progress import Progress, SilentProgress
@@ -24,6 +23,7 @@ from palpate.author.sampling import held_out_points, reach_samples
 from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support
 from palpate.author.store import Store
 from palpate.author.tool_stage import shape_of_reference
+from palpate.author.tool_work import TRUTH, ladder
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField
 

@@ -17,12 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from palpate.fields.kriging import Kriging, embed, fit_kriging
+from palpate.fields.kriging import Kriging, KrigingSettings, embed, fit_kriging
 from palpate.fields.node_fit import relative_gradient
 from palpate.fields.response_field import ContactGeometry, ResponseNodes
 from palpate.fields.surface_curvature import shape_operator, tangent_frame
 
-__all__ = ["Curves", "SiteCurves"]
+__all__ = ["Curves", "SiteCurves", "embedded_directions"]
 
 HERTZ = 2.5
 """Exponent of a rounded tool's energy in depth; any tool may deviate, y then varies more."""
@@ -30,6 +30,12 @@ FELT = 0.05
 """Share of the deepest force from which a knot's data choose the kriging's settings."""
 EXPONENT_RANGE = (2.0, 4.0)
 """Powers of d believed below the first knot: a flat punch has 2, a cone 3."""
+
+
+def embedded_directions(normal: np.ndarray, shape: np.ndarray, normal_length: float) -> np.ndarray:
+    """(N, 2, 6) how embedded surface points move along their tangents; shape operators `shape` (N, 3, 3) 1/m."""
+    e = tangent_frame(normal)
+    return np.concatenate([e, normal_length * np.einsum("nij,ntj->nti", shape, e)], axis=2)
 
 
 @dataclass(frozen=True)
@@ -61,6 +67,8 @@ class SiteCurves:
         friction: kriging of log mu, K - 1 columns; a number where mu is the same everywhere.
         own_exponent: (N, K - 1), d f / Phi of the nodes at the knots.
         convex: no node's force falls with depth.
+        offset: rho of the tool, m.
+        felt: knots whose data chose the settings.
     """
 
     knots: np.ndarray
@@ -70,6 +78,8 @@ class SiteCurves:
     friction: Kriging | float
     own_exponent: np.ndarray
     convex: bool
+    offset: float
+    felt: np.ndarray
 
     @staticmethod
     def from_nodes(
@@ -79,6 +89,8 @@ class SiteCurves:
         normal_length: float,
         *,
         with_gradients: bool = True,
+        near: KrigingSettings | None = None,
+        settings: KrigingSettings | None = None,
     ) -> SiteCurves:
         """Fit the kriging.
 
@@ -88,6 +100,8 @@ class SiteCurves:
             offset: rho of the tool, m.
             normal_length: L, m.
             with_gradients: use B; without it only for comparison.
+            near: settings that fitted most of the nodes; only what is near them is searched.
+            settings: of the kriging of energy and force; found when absent.
 
         Raises:
             ValueError: energy or force of a node is not positive at a knot above 0.
@@ -105,14 +119,15 @@ class SiteCurves:
             reference = nodes.position + (offset - 0.5 * knots[-1]) * nodes.normal
             W = shape_operator(geometry, reference)
             e = tangent_frame(nodes.normal)  # (N, 2, 3)
-            directions = np.concatenate([e, normal_length * np.einsum("nij,ntj->nti", W, e)], axis=2)
+            directions = embedded_directions(nodes.normal, W, normal_length)
             b, b_slope = (a[:, 1:] for a in relative_gradient(nodes))
             s = (offset - knots)[None, :, None]
             turned, turned_slope = (np.einsum("nij,nkj->nki", W, a) for a in (b, b_slope))
             g = np.concatenate([b + s * turned, b_slope + s * turned_slope - turned], axis=1)
             gradients = np.einsum("nti,nki->ntk", e, g)
         felt = np.flatnonzero(f.mean(axis=0) > FELT * f.mean(axis=0)[-1])
-        response = fit_kriging(z, np.concatenate([y, slope], axis=1), directions, gradients, scored=felt)
+        columns = np.concatenate([y, slope], axis=1)
+        response = fit_kriging(z, columns, directions, gradients, scored=felt, near=near, settings=settings)
         k = nodes.friction_stiffness[:, 1:]
         stiffness = fit_kriging(z, np.log(np.maximum(k, 1e-3 * k.max()))) if k.max() > 0 else None
         mu = nodes.friction_coefficient[:, 1:]
@@ -120,7 +135,9 @@ class SiteCurves:
         if np.ptp(mu) > 1e-9:
             friction = fit_kriging(z, np.log(np.maximum(mu, 1e-3 * mu.max())))
         rising = np.diff(nodes.normal_force, axis=1).min() >= 0
-        return SiteCurves(knots, normal_length, response, stiffness, friction, f * knots / phi, bool(rising))
+        return SiteCurves(
+            knots, normal_length, response, stiffness, friction, f * knots / phi, bool(rising), offset, felt
+        )
 
     def at(self, position: np.ndarray, normal: np.ndarray, depth: np.ndarray) -> Curves:
         """Curves of sites `position` (S, 3) m with `normal` (S, 3) at `depth` (J,) m, rising, above 0, J even."""
@@ -193,4 +210,5 @@ class SiteCurves:
             "kriging_length": settings.length,
             "kriging_value_noise": settings.value_noise,
             "kriging_gradient_noise": settings.gradient_noise,
+            "kriging_short_length": settings.short_length,
         }

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from palpate.assets import scene_path
-from palpate.author import pipeline
+from palpate.author import pipeline, tool_work
 from palpate.author.errors import InputError
 from palpate.author.scene import load_scene
 from palpate.author.validate import validate
@@ -35,8 +35,8 @@ def block(out, tmp_path_factory):
     path.write_text(text)
     scene = load_scene(path)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(pipeline, "node_count", lambda area, tolerance: NODES)
-        patch.setattr(pipeline, "NEAR_CHECKS", 1)
+        patch.setattr(tool_work, "node_count", lambda area, tolerance: NODES)
+        patch.setattr(tool_work, "NEAR_CHECKS", 1)
         result = pipeline.author(scene, out)
         again = pipeline.author(scene, out)
     return result, again, path
@@ -105,9 +105,9 @@ def test_a_second_tool_is_added_and_touches_nothing_of_the_first(block, out, mon
     ]
     before = [(path.read_bytes(), path.stat().st_mtime_ns) for path in first]
     records = set((out / "work" / "press").glob("*.npz"))
-    monkeypatch.setattr(pipeline, "node_count", lambda area, tolerance: 3)
-    monkeypatch.setattr(pipeline, "TRUTH", "near_field")
-    monkeypatch.setattr(pipeline, "NEAR_CHECKS", 0)
+    monkeypatch.setattr(tool_work, "node_count", lambda area, tolerance: 3)
+    monkeypatch.setattr(tool_work, "TRUTH", "near_field")
+    monkeypatch.setattr(tool_work, "NEAR_CHECKS", 0)
     result = pipeline.author(with_tool(block[2], "4.5 mm"), out, tool="another")
     assert [(path.read_bytes(), path.stat().st_mtime_ns) for path in first] == before
     assert tools(out) == ["another", "ball_5mm"] and asset_errors(out) == []

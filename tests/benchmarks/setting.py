@@ -25,7 +25,6 @@ import numpy as np
 from palpate.author.mechanics import mechanics_version
 from palpate.author.organ_parts import organ_parts, rough_summary
 from palpate.author.organ_stage import OrganMesh, mesh_organ
-from palpate.author.pipeline import ladder
 from palpate.author.plan import planned_mesh_size
 from palpate.author.press_executor import press_executor
 from palpate.author.press_jobs import PressJob
@@ -36,6 +35,7 @@ from palpate.author.scene_tables import Support
 from palpate.author.scene_types import digest
 from palpate.author.store import Result, Store
 from palpate.author.tool_stage import ToolShape, shape_of
+from palpate.author.tool_work import ladder
 from palpate.fem_offline.block import block
 from palpate.fem_offline.organ import boundary_faces
 

@@ -5,7 +5,9 @@
 import numpy as np
 import pytest
 
-from palpate.fields.kriging import KrigingSettings, Pairs, covariance, fit_kriging, matern
+from palpate.fields.covariance import KrigingSettings, Pairs, Sites, covariance, matern
+from palpate.fields.kriging import fit_kriging
+from palpate.fields.roughness import Roughness
 
 
 def surface(count: int, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -27,7 +29,8 @@ def test_covariances_are_derivatives_of_the_covariance():
     rng = np.random.default_rng(1)
     z, u = rng.normal(size=(2, 6)) * 0.02, rng.normal(size=(2, 2, 6))
     settings = KrigingSettings(0.03, 0.0, 0.0)
-    K = covariance(Pairs.of(z, u), settings).reshape(2, 3, 2, 3)
+    sites = Sites(z, u)
+    K = covariance(Pairs.of(sites, sites), settings).reshape(2, 3, 2, 3)
     h = 1e-5
 
     def k(a: np.ndarray, b: np.ndarray) -> float:
@@ -46,6 +49,22 @@ def test_covariances_are_derivatives_of_the_covariance():
             assert abs(K[0, 1 + r, 1, 1 + t] - numeric) < 1e-3 * abs(K).max()
     np.testing.assert_allclose(K.reshape(6, 6), K.reshape(6, 6).T, atol=1e-9)
     assert np.linalg.eigvalsh(K.reshape(6, 6)).min() > 0
+
+
+def test_a_rough_part_follows_the_product_rule():
+    rng = np.random.default_rng(4)
+    rough = Roughness(rng.normal(size=(5, 6)) * 0.02, np.full(5, 0.03), rng.uniform(0, 5e4, 5))
+    settings = KrigingSettings(0.03, 0.0, 0.0, 0.008, 0.5)
+    z, u, h = rng.normal(size=(2, 6)) * 0.01, rng.normal(size=(2, 1, 6)), 1e-6
+
+    def cov(a, b):
+        first, second = (rough.sites(x, u[:1]) for x in (a[None], b[None]))
+        return covariance(Pairs.of(first, second), settings)
+
+    K = covariance(Pairs.of(rough.sites(z, u), rough.sites(z, u)), settings).reshape(2, 2, 2, 2)
+    along = (cov(z[0], z[1] + h * u[1, 0])[0, 0] - cov(z[0], z[1] - h * u[1, 0])[0, 0]) / (2 * h)
+    assert abs(K[0, 0, 1, 1] - along) < 1e-5 * abs(along)
+    assert np.linalg.eigvalsh(K.reshape(4, 4)).min() > 0
 
 
 def test_without_noise_values_and_gradients_are_met():

@@ -1,0 +1,183 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""What one tool asks for: its places, its presses, its field, its judgement."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Callable
+from functools import lru_cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palpate.author.effort import node_count, region_nodes, seed_count
+from palpate.author.errors import InputError
+from palpate.author.field_stage import field_of, knots_of, press_arrays
+from palpate.author.held_out import held_out_jobs, judgement
+from palpate.author.mechanics import mechanics_version
+from palpate.author.node_rounds import NodeRounds
+from palpate.author.organ_stage import OrganMesh
+from palpate.author.press_jobs import PressJob, PressOutcome
+from palpate.author.sampling import ReachSamples, held_out_points, reach_samples
+from palpate.author.sampling_by_error import SamplingByError
+from palpate.author.scene import Scene
+from palpate.author.scene_tables import Tool
+from palpate.author.scene_types import digest
+from palpate.author.seeds import above_regions, places_of
+from palpate.author.tool_stage import ToolShape, contact_extent, heading_matters, reference_of, shape_of
+from palpate.fields.response_field import ContactGeometry
+
+__all__ = ["ToolWork", "ladder", "versions"]
+
+LADDER_STEPS = 10
+"""Depths of a normal ladder, evenly spaced: a step of 0.1 R at depth R."""
+NEAR_CHECKS = 2
+"""Held-out points pressed at near_field fidelity as well, so that the far field's own error is known."""
+TRUTH = "full"
+"""Fidelity of held-out presses."""
+
+
+def ladder(depth_max: float) -> np.ndarray:
+    """(LADDER_STEPS,) m."""
+    return depth_max * np.arange(1, LADDER_STEPS + 1) / LADDER_STEPS
+
+
+class ToolWork:
+    """One tool of a scene."""
+
+    def __init__(self, scene: Scene, mesh: OrganMesh, tool: Tool) -> None:
+        self.tool, self._scene, self._mesh = tool, scene, mesh
+        self.shape = shape_of(scene, tool)
+        self.reference = reference_of(tool.name, self.shape)
+        self.depth_max = scene.depth_max(tool)
+        self.seed = scene.accuracy.seed
+        self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.shape, self.depth_max)
+        if not self.samples.allowed.any():
+            why = "; ".join(f"{count} places: {reason}" for reason, count in self.samples.left_out.items())
+            raise InputError(
+                scene.problem("reach", None, f"has no place that {tool.name} can press ({why or 'nothing there'})",
+                              "free, thick enough surface of the organ, outside its supports")
+            )  # fmt: skip
+        _refuse_jumping_heading(scene, tool, self.shape, self.samples)
+        area = len(self.samples.points) * self.samples.spacing**2
+        count = node_count(area, scene.accuracy.force_tolerance)
+        self.seeds, self.most = seed_count(count), count + region_nodes(len(mesh.regions))
+        self._held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
+        held = self.samples.points[self._held]
+        friction = (tool.friction or 0.0) if "friction" in scene.effects else 0.0
+        self.held_jobs = held_out_jobs(held, self.shape, ladder(self.depth_max), friction, TRUTH, self.seed)
+        near = held[:NEAR_CHECKS] if scene.accuracy.fidelity == "near_field" else []
+        self.near_jobs = [self._job(point, "near_field") for point in near]
+        self.failures: list[dict[str, Any]] = []
+        self._checks: dict[PressJob, PressOutcome] = {}
+
+    def begin(
+        self, geometry: Callable[[], ContactGeometry], width: int, out_of_time: Callable[[], bool]
+    ) -> list[PressJob]:
+        """The presses to begin with: seeds, then what judges, which keeps everybody busy while the seeds are read.
+
+        Args:
+            geometry: makes it; called while the seeds are pressed.
+            width: presses that are chosen at once (count).
+            out_of_time: whether the time budget is spent.
+        """
+        scene, offset = self._scene, self.reference.offset
+        places = places_of(self.samples, self._held)
+        contact = contact_extent(self.shape, self.depth_max)
+        seeds = [*places.even[: self.seeds], *above_regions(self._mesh, places, contact)]
+
+        def sampling() -> SamplingByError:
+            terrain = places.terrain(geometry(), offset - 0.5 * self.depth_max)
+            return SamplingByError(terrain, geometry(), offset, scene.accuracy.force_tolerance, self.most)
+
+        self.rounds = NodeRounds(
+            seeds[: self.most],
+            lambda i: self._job(places.position[i], scene.accuracy.fidelity),
+            lambda outcome: press_arrays(scene, self.tool, outcome)[0],
+            sampling,
+            knots_of(scene, self.tool),
+            width,
+            out_of_time,
+        )
+        return [*self.rounds.seeds(), *self.held_jobs, *self.near_jobs]
+
+    def arrived(self, outcome: PressOutcome) -> None:
+        self._checks[outcome.job] = outcome
+        self.rounds.arrived(outcome)
+
+    def _job(self, point: np.ndarray, fidelity: str) -> PressJob:
+        depths = tuple(map(float, ladder(self.depth_max)))
+        return PressJob(tuple(map(float, point)), self.shape, depths, fidelity)
+
+    @property
+    def node_outcomes(self) -> list[PressOutcome]:
+        return self.rounds.outcomes
+
+    def fit(self, geometry: ContactGeometry) -> Any:
+        scene = self._scene
+        provenance = {
+            "scene": {
+                "hash": digest(scene.hash_inputs()),
+                "name": scene.name,
+                "effects": list(scene.effects),
+                "support": [s.model_dump(mode="json", exclude_none=True) for s in scene.organ.support],
+                "region": [r.model_dump(mode="json", exclude_none=True) for r in scene.organ.region],
+                "reach": scene.reach.model_dump(mode="json", exclude_none=True),
+                "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
+                "capsule": scene.organ.capsule
+                and scene.organ.capsule.model_dump(mode="json", exclude_none=True),
+                "tool": self.tool.model_dump(mode="json", exclude_none=True),
+                "accuracy": scene.accuracy.model_dump(mode="json", exclude_none=True),
+            },
+            "organ": self._mesh.hash,
+            "tool": self.reference.hash,
+            "presses": {
+                "mechanics": mechanics_version(),
+                "fidelity": scene.accuracy.fidelity,
+                "depths": LADDER_STEPS,
+            },
+            "sampling": self.rounds.sampling.report(),
+            "seed": self.seed,
+            "versions": versions(),
+        }
+        field, self.failures = field_of(
+            scene, self.tool, self._mesh, self.samples, geometry, self.node_outcomes, provenance
+        )
+        return field
+
+    def validate(self, out: Path, rfield: str) -> dict[str, Any]:
+        from palpate.runtime import Field
+
+        judged = judgement(
+            Field.open(rfield),
+            self.reference.offset,
+            [self._checks[job] for job in self.held_jobs],
+            [self._checks[job] for job in self.near_jobs],
+            self._scene.accuracy.force_tolerance,
+        )
+        judged = {"tool": self.tool.name, "seed": self.seed, **judged}
+        path = out / "validation" / f"{self.tool.name}.json"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(judged))
+        return judged
+
+
+def _refuse_jumping_heading(scene: Scene, tool: Tool, shape: ToolShape, samples: ReachSamples) -> None:
+    """A tool that is not round has a heading, which `tangents` can only give smoothly over part of a surface."""
+    leaning = np.unique(np.argmin(np.abs(samples.normals[samples.allowed]), axis=1))
+    if heading_matters(shape) and len(leaning) > 1:
+        key = f"tool[{scene.tool.index(tool)}]"
+        what = "is not round about the surface's normal, and its heading would jump within the reach"
+        expected = "a smaller or flatter reach, a round tool held upright, or single presses (palpate press)"
+        raise InputError(scene.problem(key, tool.name, what, expected))
+
+
+@lru_cache
+def versions() -> dict[str, str]:
+    """Of what made an asset."""
+    names = ("palpate", "numpy", "scipy", "warp-lang", "usd-core", "pytetwild", "mmgpy", "pymeshlab")
+    return {**{name: metadata.version(name) for name in names}, "python": platform.python_version()}

@@ -309,6 +309,7 @@ def certify(
     delay: Annotated[float | None, typer.Option("--delay", help="s, from the sample to the motors")] = None,
     quantum: Annotated[float | None, typer.Option("--quantum", help="m, of the encoders at the tip")] = None,
     dry_friction: Annotated[float | None, typer.Option("--dry-friction", help="N, of the device")] = None,
+    max_force: Annotated[float | None, typer.Option("--max-force", help="N, of the device")] = None,
     mass: Annotated[float | None, typer.Option("--mass", help="kg, of the simulated device")] = None,
     simulate: Annotated[bool, typer.Option("--simulate", help="let simulated devices push into it")] = False,
     as_json: Json = False,
@@ -327,6 +328,7 @@ def certify(
             delay=delay,
             quantum=quantum,
             dry_friction=dry_friction,
+            max_force=max_force,
             mass=mass,
         )
         result = certified(

@@ -50,6 +50,7 @@ def device_from(
     delay: float | None = None,
     quantum: float | None = None,
     dry_friction: float | None = None,
+    max_force: float | None = None,
     mass: float | None = None,
 ) -> HapticDevice:
     """The device of the [device] table in the scene file `scene`; what is given here replaces the table's.
@@ -74,7 +75,8 @@ def device_from(
             damping = table.damping if damping is None else damping
             quantum = table.resolution if quantum is None else quantum
             dry_friction = table.friction if dry_friction is None else dry_friction
-    max_force = table.max_force if table is not None and name is None else None
+    if max_force is None and table is not None and name is None:
+        max_force = table.max_force
     known = ", ".join(profile.name for profile in PROFILES)
     if name is not None and profile_named(name) is None:
         raise InputError(

@@ -96,6 +96,8 @@ def test_a_scenes_device_is_certified_as_if_its_numbers_were_options(field, writ
     for key in ("met", "rate_needed", "damping_needed", "dry_friction_needed", "sampling_share", "sentence"):
         assert by_scene[key] == by_options[key]
     assert by_options["force_share"] is None and 0.0 < by_scene["force_share"] < 1.0
+    with_force = certified(capsys, field, *options, "--max-force", "0.3")
+    assert with_force["force_share"] == by_scene["force_share"]
 
 
 def test_an_option_replaces_the_scenes_number(field, write_scene, capsys):

@@ -46,8 +46,6 @@ class Places:
 def places_of(samples: ReachSamples, held_out: np.ndarray) -> Places:
     """Places that may become nodes; the samples `held_out` (n,) never do."""
     free = np.setdiff1d(np.flatnonzero(samples.allowed), held_out)
-    if len(free) == 0:  # a reach so small that every place is held out
-        free = np.flatnonzero(samples.allowed)
     position = samples.points[free]
     return Places(position, samples.normals[free], farthest_of(position, COARSE))
 

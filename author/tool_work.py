@@ -67,6 +67,10 @@ class ToolWork:
         count = node_count(area, scene.accuracy.force_tolerance)
         self.seeds, self.most = seed_count(count), count + region_nodes(len(mesh.regions))
         self._held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
+        if len(self._held) == np.count_nonzero(self.samples.allowed):
+            what = f"leaves {tool.name} no place for a node: the reach has {len(self._held)} places, all held out"
+            expected = "fewer, or a larger reach"
+            raise InputError(scene.problem("accuracy.held_out", scene.accuracy.held_out, what, expected))
         held = self.samples.points[self._held]
         friction = (tool.friction or 0.0) if "friction" in scene.effects else 0.0
         self.held_jobs = held_out_jobs(held, self.shape, ladder(self.depth_max), friction, TRUTH, self.seed)

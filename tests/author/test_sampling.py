@@ -4,14 +4,17 @@
 
 import numpy as np
 import pytest
-from scipy.spatial.distance import pdist
+from scipy.spatial.distance import cdist, pdist
 
 from palpate.assets import scene_path
+from palpate.author.errors import InputError
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.sampling import farthest_points, held_out_points, reach_samples
 from palpate.author.scene import load_scene
 from palpate.author.scene_tables import Reach
+from palpate.author.seeds import places_of
 from palpate.author.tool_stage import ToolShape
+from palpate.author.tool_work import ToolWork
 from palpate.fem_offline.surface import load_surface, repair_surface
 
 BALL = ToolShape("sphere", (("radius", 5e-3),))
@@ -90,3 +93,12 @@ def test_a_contact_that_would_reach_a_support_is_left_out_and_counted(mesh):
     top_of_support = mesh.vertices[mesh.supported(mesh.vertices)][:, 2].max()
     height = everywhere.points[:, 2] - top_of_support
     assert height[side].min() > 3e-3 and height.min() < 2e-3
+
+
+def test_held_out_points_never_become_nodes_even_where_nothing_else_is_left(scene, mesh, samples):
+    held = held_out_points(samples, 4, 1)
+    places = places_of(samples, held)
+    assert cdist(places.position, samples.points[held]).min() > 0.0
+    greedy = scene.accuracy.model_copy(update={"held_out": 100_000})
+    with pytest.raises(InputError, match=r"held_out.*no place for a node.*fewer, or a larger reach"):
+        ToolWork(scene.model_copy(update={"accuracy": greedy}), mesh, scene.tool[0])

@@ -67,7 +67,7 @@ def certify(
         `simulated` of {damping, damping_over_bound, stiffness, speed_early, speed_late (m/s), rests}.
 
     Raises:
-        InputError: the file does not open, or a number is out of range.
+        InputError: the file does not open, nothing in it is touched, or a number is out of range.
     """
     from palpate.runtime import Field, RuntimeFailure
 
@@ -98,6 +98,9 @@ def certify(
         ) from error
     sigma, period = opened.info.stiffness_max, 1.0 / rate
     places = _contacts(opened)
+    if not len(places):
+        what = f"has none of {PLACES} places in contact that were drawn in its box"
+        raise InputError(InputProblem(str(field), "", None, what, "a field that is touched somewhere"))
     local = np.abs(places["stiffness"]) + places["friction_stiffness"]
     good = (damping >= local * (0.5 * period + delay)) & (dry_friction >= 0.5 * local * quantum)
     longest = 2.0 * (damping / sigma - delay) if sigma > 0 else np.inf  # s, of a period
@@ -122,11 +125,11 @@ def certify(
         "rate": rate,
         "stiffness_max": sigma,
         **needed,
-        "sampling_share": _share(good),
+        "sampling_share": float(good.mean()),
         **_sliding(places),
         "force_share": None
         if max_force is None
-        else _share(np.linalg.norm(places["force"], axis=1) <= max_force),
+        else float((np.linalg.norm(places["force"], axis=1) <= max_force).mean()),
         "met": bool(met),
         "sentence": _sentence(met, needed, damping, dry_friction),
     }
@@ -138,18 +141,14 @@ def certify(
     return result
 
 
-def _share(good: np.ndarray) -> float:
-    return float(good.mean()) if len(good) else 1.0
-
-
 def _sliding(places: np.ndarray) -> dict[str, float]:
     """What friction would have to hide from a scheme without a push along the surface."""
     normal, force = places["normal"], places["force"]
     along = force - np.sum(force * normal, axis=1, keepdims=True) * normal
     needed = np.linalg.norm(along, axis=1) / places["normal_force"]
     return {
-        "sliding_share": _share(places["friction_coefficient"] >= needed),
-        "friction_needed": float(needed.max(initial=0.0)),
+        "sliding_share": float((places["friction_coefficient"] >= needed).mean()),
+        "friction_needed": float(needed.max()),
     }
 
 
@@ -182,8 +181,6 @@ def _contacts(field) -> np.ndarray:
 def _simulated(field, places: np.ndarray, device, damping: float) -> list[dict[str, Any]]:
     from dataclasses import replace
 
-    if not len(places):
-        return []
     reachable = places[places["depth"] <= 0.8 * field.info.depth_max]
     at = reachable[np.argmax(reachable["stiffness"])]
     stiffness = float(at["stiffness"])  # along the push

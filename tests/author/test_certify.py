@@ -169,3 +169,9 @@ def test_friction_hides_an_axial_responses_gain_where_it_exceeds_the_push_along_
 def test_a_device_that_cannot_be_is_refused(field, wrong):
     with pytest.raises(InputError, match=next(iter(wrong)).replace("_", "-")):
         certify(field, **({"rate": 1000, "damping": 0.1} | wrong))
+
+
+def test_a_field_that_nothing_touches_gets_no_verdict(field, monkeypatch):
+    monkeypatch.setattr("palpate.author.certify.PLACES", 1)  # the one place drawn lies outside contact
+    with pytest.raises(InputError, match="none of 1 places in contact"):
+        certify(field, rate=1000, damping=100.0)

@@ -61,7 +61,8 @@ def certify_lines(result: dict[str, Any]) -> str:
         f"damping needed: {result['damping_needed']:.3g} N s/m",
         f"dry friction needed: {result['dry_friction_needed']:.3g} N",
         f"places rendered without a hum: {100 * result['sampling_share']:.1f} %",
-        f"places where friction hides what an axial response leaves out: {100 * result['sliding_share']:.1f} %; "
+        f"places where friction hides what an axial response leaves out: {100 * result['sliding_share']:.1f} % of the "
+        f"{100 * result['sliding_judged']:.1f} % of contact above {result['sliding_floor']:.2g} N; "
         f"all of them at a friction coefficient of {result['friction_needed']:.2g}",
     ]
     if result["force_share"] is not None:

@@ -15,9 +15,11 @@ into the stiffest place that was drawn, and says whether it comes to rest.
 
 Sliding: the field pushes along the surface where its stiffness varies, |t| = |sum_r phi_r(d) grad a_r| at a normal
 force f_n.  An interpolation that leaves this push out (response = "axial", the published scheme) creates energy, which
-friction hides only where mu f_n >= |t|.  sliding_share is the share of contact where it does with the field's own mu,
-and friction_needed the mu that would hide it at every place that was drawn, a lower bound for everywhere; the
-potential, which does push, needs neither.
+friction hides only where mu f_n >= |t|.  Nothing is felt where f_n is tiny, but |t| / f_n has no bound just there,
+where the field fades beyond its reach: places are judged where f_n is at least FORCE_FLOOR of the largest
+that was drawn, as held-out errors are.  sliding_share is the share of judged contact where the field's own mu hides the
+push, and friction_needed the mu that would hide it at every judged place, a lower bound for everywhere; the potential,
+which does push, needs neither.
 """
 
 from __future__ import annotations
@@ -33,6 +35,8 @@ __all__ = ["certify"]
 
 PLACES = 200_000
 """Points drawn in the field's box; some per cent of them are in contact."""
+FORCE_FLOOR = 0.05
+"""Of the field's deepest force; sliding is not judged below it.  As held_out.FLOOR, whose import is slow."""
 SHARES = (0.7, 1.0, 1.5, 3.0)
 """Damping of the simulated devices over what the bound asks for; beside the device's own."""
 RESTS = 0.2
@@ -62,9 +66,11 @@ def certify(
     Returns:
         field, device ({name, rate, damping, delay, resolution, friction, max_force, assumed}), rate (Hz), stiffness_max
         (N/m), damping_needed (N s/m), dry_friction_needed (N), rate_needed (Hz; None where no rate is enough at this
-        delay), sampling_share (of contact up to depth_max where both bounds hold), sliding_share, friction_needed (see
-        above), force_share (of contact within max_force; None without one), met, sentence; and with `simulate` a list
-        `simulated` of {damping, damping_over_bound, stiffness, speed_early, speed_late (m/s), rests}.
+        delay), sampling_share (of contact up to depth_max where both bounds hold), sliding_floor (N), sliding_judged
+        (share of contact above that force), sliding_share (of judged contact), friction_needed (see above) and
+        friction_needed_at ((3,) m, the tool's reference point there), force_share (of contact within max_force; None
+        without one), met, sentence; and with `simulate` a list `simulated` of {damping, damping_over_bound, stiffness,
+        speed_early, speed_late (m/s), rests}.
 
     Raises:
         InputError: the file does not open, nothing in it is touched, or a number is out of range.
@@ -141,14 +147,20 @@ def certify(
     return result
 
 
-def _sliding(places: np.ndarray) -> dict[str, float]:
+def _sliding(places: np.ndarray) -> dict[str, Any]:
     """What friction would have to hide from a scheme without a push along the surface."""
-    normal, force = places["normal"], places["force"]
+    floor = FORCE_FLOOR * float(places["normal_force"].max())
+    judged = places[places["normal_force"] >= floor]
+    normal, force = judged["normal"], judged["force"]
     along = force - np.sum(force * normal, axis=1, keepdims=True) * normal
-    needed = np.linalg.norm(along, axis=1) / places["normal_force"]
+    needed = np.linalg.norm(along, axis=1) / judged["normal_force"]
+    worst = int(np.argmax(needed))
     return {
-        "sliding_share": float((places["friction_coefficient"] >= needed).mean()),
-        "friction_needed": float(needed.max()),
+        "sliding_floor": floor,
+        "sliding_judged": len(judged) / len(places),
+        "sliding_share": float((judged["friction_coefficient"] >= needed).mean()),
+        "friction_needed": float(needed[worst]),
+        "friction_needed_at": judged["q"][worst].tolist(),
     }
 
 

@@ -4,10 +4,11 @@
 
 import json
 
+import numpy as np
 import pytest
 import synthetic_field
 
-from palpate.author.certify import certify
+from palpate.author.certify import FORCE_FLOOR, certify
 from palpate.author.command_line import main
 from palpate.author.errors import InputError
 from palpate.fields.cook import cook
@@ -160,7 +161,25 @@ def test_friction_hides_an_axial_responses_gain_where_it_exceeds_the_push_along_
     flat = opened.sample([[-4e-3, 0.0, 3e-3]])[0]  # before the step: no push
     assert abs(flat["force"][0]) < 1e-9
     edge = opened.sample([[1.5e-3, 0.0, 1e-3]])[0]
+    assert edge["normal_force"] > result["sliding_floor"]
     assert abs(edge["force"][0]) / edge["normal_force"] <= result["friction_needed"] * 1.05
+    worst = opened.sample([result["friction_needed_at"]])[0]
+    along = worst["force"] - (worst["force"] @ worst["normal"]) * worst["normal"]
+    assert np.linalg.norm(along) / worst["normal_force"] == pytest.approx(result["friction_needed"])
+
+
+def test_sliding_is_judged_above_a_share_of_the_deepest_force_as_held_out_errors_are(tmp_path, monkeypatch):
+    from palpate.author.held_out import FLOOR
+
+    assert FORCE_FLOOR == FLOOR
+    path = tmp_path / "fading.rfield"  # |t| / f_n has no bound where the field ends
+    path.write_bytes(cook(synthetic_field.synthetic_field(amplitude=lambda q: synthetic_field.step(q, 1e-9))))
+    judged = certify(path, rate=1000, damping=0.1)
+    monkeypatch.setattr("palpate.author.certify.FORCE_FLOOR", 0.0)
+    everywhere = certify(path, rate=1000, damping=0.1)
+    assert everywhere["sliding_judged"] == 1.0 > judged["sliding_judged"] > 0.3
+    assert everywhere["friction_needed"] > 20.0 > 5.0 > judged["friction_needed"]
+    assert everywhere["sampling_share"] == judged["sampling_share"]
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,9 @@ def certify_lines(result: dict[str, Any]) -> str:
         lines.append(
             f"places within the device's {device['max_force']:.3g} N: {100 * result['force_share']:.1f} %"
         )
+    if drawn := result.get("map"):
+        share = "none" if drawn["share"] is None else f"{100 * drawn['share']:.1f} %"
+        lines.append(f"{drawn['file']}: {share} of the reach without a hum at any depth")
     for row in result.get("simulated", ()):
         ends = "rests" if row["rests"] else "never rests"
         lines.append(

@@ -312,6 +312,9 @@ def certify(
     max_force: Annotated[float | None, typer.Option("--max-force", help="N, of the device")] = None,
     mass: Annotated[float | None, typer.Option("--mass", help="kg, of the simulated device")] = None,
     simulate: Annotated[bool, typer.Option("--simulate", help="let simulated devices push into it")] = False,
+    picture: Annotated[
+        Path | None, typer.Option("--map", metavar="FILE.png", help="where on the organ it hums")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Hold a haptic device against a field: does holding forces make it hum?"""
@@ -344,6 +347,10 @@ def certify(
             assumed=held.assumed,
             simulate=simulate,
         )
+        if picture is not None:
+            from palpate.author.certify_map import certify_map
+
+            result["map"] = certify_map(field, held, picture)
         return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)
 
     _end(work, as_json)

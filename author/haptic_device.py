@@ -14,9 +14,10 @@ from pathlib import Path
 
 from palpate.author.device_profiles import PROFILES, profile_named
 from palpate.author.errors import InputError, InputProblem
-from palpate.author.scene import load_scene
+from palpate.author.scene import Scene, load_scene
+from palpate.author.scene_tables import Device
 
-__all__ = ["HapticDevice", "device_from"]
+__all__ = ["HapticDevice", "device_from", "scene_device"]
 
 MASS = 0.05
 """kg, of a simulated device where nobody said one."""
@@ -63,13 +64,35 @@ def device_from(
     """
     table = None
     if scene is not None:
-        loaded = load_scene(scene)
-        table = loaded.device
+        table = load_scene(scene).device
         if table is None:
             what = "is not in this scene"
             raise InputError(
                 InputProblem(str(scene), "device", None, what, "a table [device], or no --scene")
             )
+    return _device(
+        table, str(scene or ""), name, rate, damping, delay, quantum, dry_friction, max_force, mass
+    )
+
+
+def scene_device(scene: Scene) -> HapticDevice | None:
+    """The scene's device; None where it names none.  Raises InputError as device_from does."""
+    return _device(scene.device, str(scene.file)) if scene.device is not None else None
+
+
+def _device(
+    table: Device | None,
+    file: str,
+    name: str | None = None,
+    rate: float | None = None,
+    damping: float | None = None,
+    delay: float | None = None,
+    quantum: float | None = None,
+    dry_friction: float | None = None,
+    max_force: float | None = None,
+    mass: float | None = None,
+) -> HapticDevice:
+    if table is not None:
         rate = table.rate if rate is None else rate
         if name is None:
             damping = table.damping if damping is None else damping
@@ -93,7 +116,7 @@ def device_from(
         whose = f'of the device "{name}" is' if name else "is"
         what = f"{whose} not known: makers do not publish it and it is not guessed"
         expected = f"--damping in N s/m, as measured, or --device: {known}"
-        problems.append(InputProblem(str(scene or ""), "--damping", None, what, expected))
+        problems.append(InputProblem(file, "--damping", None, what, expected))
     if rate is None:
         what, expected = "is not given", '--rate in Hz, or --scene with a [device] (rate = "1 kHz")'
         problems.append(InputProblem("", "--rate", None, what, expected))

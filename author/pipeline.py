@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, ExitStack
+from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,9 @@ from palpate.author.batch_executor import (
     device_named,
     threads_by_process,
 )
+from palpate.author.errors import InputError
 from palpate.author.field_stage import contact_geometry_of
+from palpate.author.haptic_device import scene_device
 from palpate.author.one_tool import asset_geometry, chosen_tools, with_other_tools
 from palpate.author.organ_stage import OrganMesh, mesh_organ
 from palpate.author.plan import fidelities_of
@@ -145,11 +148,21 @@ def author(
     from palpate.author.report import write_report
     from palpate.fields.usd_read import tools as asset_tools
 
+    summary |= _device_of(scene)
     if tool:
         summary = with_other_tools(summary, out, asset_tools(out))
     summary["report"] = str(write_report(out, summary))
     (out / "summary.json").write_text(json.dumps(summary, indent=1))
     return summary
+
+
+def _device_of(scene: Scene) -> dict[str, Any]:
+    """The scene's device, for the report; why it is not judged where nobody knows its damping."""
+    try:
+        device = scene_device(scene)
+    except InputError as error:
+        return {"device": None, "device_unknown": str(error)}
+    return {} if device is None else {"device": asdict(device)}
 
 
 def _cluster(address: str, progress: Progress) -> AbstractContextManager[Executor]:

@@ -16,7 +16,7 @@ __all__ = ["write_report"]
 
 def write_report(asset: Path, summary: dict[str, Any]) -> Path:
     """Writes <asset>/report/: index.html, report.json, organ.png, stiffness_map.png and, where
-    presses were held out, error_map.png and worst_curves.png.
+    presses were held out, error_map.png and worst_curves.png; with a device, device_map.png.
 
     Args:
         asset: folder of a USD asset; <asset>/validation/<tool>.json is read where it exists.

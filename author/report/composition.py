@@ -10,10 +10,9 @@ from pathlib import Path
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
-from palpate.author.report.numbers import asked
 from palpate.author.report.palette import INK, MARK
 from palpate.author.report.projection import WINDOW, View
 
@@ -35,13 +34,13 @@ class Marks:
 
 @dataclass(frozen=True)
 class Scale:
-    """A colour scale from `low` to `high`; `asked`: a tolerance (fraction) to mark on a scale in percent."""
+    """A colour scale (or its name) from `low` to `high`; `mark`: a value to mark on it, and what to write beside."""
 
-    colours: str
+    colours: str | Colormap
     low: float
     high: float
     unit: str
-    asked: float | None = None
+    mark: tuple[float, str] | None = None
 
 
 def compose(
@@ -51,8 +50,10 @@ def compose(
     images: list[np.ndarray],
     marks: list[Marks],
     scale: Scale | None = None,
+    note: str = "",
 ) -> None:
-    """Writes the picture; views stand side by side.  Marks that no view shows are counted under the title."""
+    """Writes the picture; views stand side by side.  `note` stands under the title, with a count of marks that no
+    view shows."""
     wide = len(views)
     figure = Figure(
         figsize=(9.6 if wide == 1 else 15.0, 6.9 if wide == 1 else 6.2), dpi=150, facecolor="white"
@@ -75,8 +76,10 @@ def compose(
     figure.text(0.03, 0.965, title, fontsize=12.5, color=INK, va="center")
     hidden = sum(int(np.sum(~ever)) for ever in shown)
     if hidden:
-        words = f"{hidden} mark{'s are' if hidden > 1 else ' is'} out of sight from here."
-        figure.text(0.03, 0.925, words, fontsize=9.5, color=INK, va="center")
+        note += (
+            f"{' ' if note else ''}{hidden} mark{'s are' if hidden > 1 else ' is'} out of sight from here."
+        )
+    figure.text(0.03, 0.925, note, fontsize=9.5, color=INK, va="center")
     figure.savefig(path)
 
 
@@ -120,10 +123,10 @@ def _scale(figure: Figure, scale: Scale) -> None:
     drawn.outline.set_visible(False)  # type: ignore[operator]
     bar.set_title(scale.unit, fontsize=10, color=INK, pad=10)
     bar.tick_params(labelsize=9, colors=INK, length=2)
-    if scale.asked is not None:
-        mark = 100 * scale.asked
-        bar.axhline(mark, color="white", linewidth=1.6)
+    if scale.mark is not None:
+        value, words = scale.mark
+        bar.axhline(value, color="white", linewidth=1.6)
         bar.annotate(
-            f"asked\n{asked(scale.asked)}", (0.0, mark), xycoords=("axes fraction", "data"), xytext=(-6, 0),
+            words, (0.0, value), xycoords=("axes fraction", "data"), xytext=(-6, 0),
             textcoords="offset points", ha="right", va="center", fontsize=9, color=MARK,
         )  # fmt: skip

@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any
 
 import numpy as np
 
+from palpate.author.haptic_device import HapticDevice
+from palpate.author.report.device_map import DeviceMap
 from palpate.author.report.gather import Sources
 from palpate.author.report.held_out_rows import held_out_rows, pooled, worst_rows
 from palpate.author.report.maps import ReachMap
@@ -24,13 +27,18 @@ WORST_SHARE = 0.05
 """Share of the reach beyond the 95th percentile: n points drawn evenly all miss it with chance 0.95^n."""
 
 
-def contents(sources: Sources, maps: list[ReachMap]) -> dict[str, Any]:
-    """The report; `maps` holds one per field."""
+def contents(
+    sources: Sources, maps: list[ReachMap], device_maps: list[DeviceMap] | None = None
+) -> dict[str, Any]:
+    """The report; `maps` holds one per field, and `device_maps` where the sources have a device."""
     summary = sources.summary
     tools = [
         _tool(field, validation, reach, summary)
         for field, validation, reach in zip(sources.fields, sources.validations, maps, strict=True)
     ]
+    for tool, made in zip(tools, device_maps or [], strict=False):
+        assert sources.device is not None
+        tool["device"] = _device(sources.device, made, tool["field"]["stiffness_max"])
     notes = list(sources.notes)
     for tool, reach in zip(tools, maps, strict=True):
         if reach.unstored_share > 0.002:
@@ -69,6 +77,8 @@ _SHOWN_ELSEWHERE = {
     "stages",
     "failures",
     "bench",
+    "device",
+    "device_unknown",
     "tolerance_met",
 }
 
@@ -102,8 +112,22 @@ def _tool(
         "representation": field.representation,
         "field": _field(field, reach),
         "rfield_bytes": authored.get("bytes"),
+        "device": None,
         "bench": _bench(summary.get("bench") or authored.get("bench"), name),
         "provenance": _rows(field.provenance),
+    }
+
+
+def _device(device: HapticDevice, made: DeviceMap, stiffness_max: float) -> dict[str, Any]:
+    """What `palpate certify` says of the device, by the field's largest stiffness, and the share that the map shows."""
+    longest = 2.0 * (device.damping / stiffness_max - device.delay) if stiffness_max > 0 else None  # s
+    return {
+        **dataclasses.asdict(device),
+        "met": stiffness_max <= made.allowed,
+        "stiffness_allowed": made.allowed if np.isfinite(made.allowed) else None,
+        "rate_needed": 1.0 / longest if longest is not None and longest > 0 else None,
+        "share": made.share,
+        "picture": None,
     }
 
 

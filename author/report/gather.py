@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from palpate.author.haptic_device import HapticDevice
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField
 from palpate.fields.usd_read import read_field, read_organ, tools
@@ -27,6 +28,7 @@ class Sources:
         validations: per field, the content of validation/<tool>.json, or None where there is none.
         files: path relative to the asset, and bytes, of every file but the report's own and kept presses.
         summary: the JSON dict of `palpate author`.
+        device: what the scene's [device] names, or None.
         notes: sentences about what could not be read.
     """
 
@@ -37,6 +39,7 @@ class Sources:
     files: list[dict[str, Any]]
     summary: dict[str, Any]
     notes: list[str]
+    device: HapticDevice | None = None
 
 
 def gather(asset: Path, summary: dict[str, Any]) -> Sources:
@@ -51,7 +54,10 @@ def gather(asset: Path, summary: dict[str, Any]) -> Sources:
         for path, name in relative
         if name.parts[0] not in ("report", "work") and not name.name.startswith(".")
     ]
-    return Sources(asset, read_organ(asset), fields, validations, files, summary, notes)
+    if unknown := summary.get("device_unknown"):
+        notes.append(f"The scene's device is not held against the field: {unknown}")
+    device = HapticDevice(**summary["device"]) if summary.get("device") else None
+    return Sources(asset, read_organ(asset), fields, validations, files, summary, notes, device)
 
 
 def _validation(path: Path, notes: list[str]) -> dict[str, Any] | None:

@@ -46,6 +46,7 @@ class ReachMap:
 
     Attributes:
         vertices: (V, 3) m.  triangles: (F, 3).  normals: (V, 3) outward, as the field has them.
+        feet: (V, 3) m; the foot points c, on the surface that the field itself knows.
         depths: (L,) m.
         values: by name in QUANTITIES, (L, V) in its unit.
         rest_vertices: (W, 3) m.  rest_triangles: (G, 3).
@@ -55,6 +56,7 @@ class ReachMap:
     vertices: np.ndarray
     triangles: np.ndarray
     normals: np.ndarray
+    feet: np.ndarray
     depths: np.ndarray
     values: dict[str, np.ndarray]
     rest_vertices: np.ndarray
@@ -101,6 +103,7 @@ def reach_map(organ: OrganGeometry, field: ResponseField, triangle_limit: int = 
         vertices[used],
         shown.reshape(-1, 3),
         n[used],
+        foot[used],
         depths,
         {name: value[:, used] for name, value in values.items()},
         *_compact(rest_vertices, rest_triangles),

@@ -64,6 +64,7 @@ KINDS = {
     "mm_vector": _vector,
     "N": lambda v: f"{significant(v)} N",
     "N/m": lambda v: f"{significant(v)} N/m",
+    "Hz": lambda v: f"{v:.0f} Hz" if v >= 100 else f"{significant(v)} Hz",
     "ns": lambda v: f"{v:.0f} ns",
     "ms": lambda v: f"{significant(v)} ms",
     "seconds": _seconds,

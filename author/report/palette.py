@@ -8,6 +8,7 @@ __all__ = [
     "ERRORS",
     "ERROR_KINDS",
     "FEM",
+    "HUMS",
     "INK",
     "MARK",
     "NODE",
@@ -15,6 +16,7 @@ __all__ = [
     "QUIET",
     "REACH",
     "RENDERED",
+    "STEADY",
     "VALUES",
 ]
 
@@ -31,6 +33,8 @@ VALUES = "viridis"
 """Colour scale of what the field says."""
 ERRORS = "magma_r"
 """Colour scale of errors: pale where small, dark where large."""
+STEADY, HUMS = ("#dcefe6", "#56b392"), ("#d55e00", "#5c1600")
+"""First and last colour of stiffness that a device takes, and of stiffness at which it hums."""
 
 ERROR_KINDS = {
     "force_error": ("normal force", RENDERED, "solid"),

@@ -15,9 +15,11 @@ import numpy as np
 
 from palpate.author.report.composition import Marks, Scale, compose
 from palpate.author.report.curve_picture import curve_picture
+from palpate.author.report.device_map import DeviceMap
+from palpate.author.report.device_picture import compose_device, device_caption, device_views
 from palpate.author.report.gather import Sources
 from palpate.author.report.maps import QUANTITIES, ReachMap
-from palpate.author.report.numbers import percent
+from palpate.author.report.numbers import asked, percent
 from palpate.author.report.palette import ERRORS, MARK, NODE, ORGAN, REACH, VALUES
 from palpate.author.report.projection import Mesh, View
 from palpate.author.report.render import RenderFailure, render
@@ -33,11 +35,16 @@ STIFFNESS_LEVEL = 2
 
 
 def pictures(
-    folder: Path, sources: Sources, maps: list[ReachMap], report: dict[str, Any]
+    folder: Path,
+    sources: Sources,
+    maps: list[ReachMap],
+    report: dict[str, Any],
+    device_maps: list[DeviceMap] | None = None,
 ) -> tuple[list[dict[str, str]], list[str]]:
     """Draws into `folder`; pictures of an earlier report go.
 
-    The first tool's pictures have the plain names, those of others end in their name.
+    The first tool's pictures have the plain names, those of others end in their name.  `device_maps`: one per field
+    where the sources have a device.
 
     Returns:
         rows {file, caption} of what was drawn, and sentences about what was not.
@@ -51,7 +58,8 @@ def pictures(
         files = [folder / f"{Path(name).stem}{suffix}.png" for name in NAMES]
         try:
             views = _views(reach)
-            images = render(views)
+            held = device_views(reach, device_maps[index]) if device_maps else []
+            images = render([*views, *held])
         except RenderFailure as failure:
             names = ", ".join(path.name for path in files[:3])
             notes.append(
@@ -59,7 +67,15 @@ def pictures(
                 "palpate doctor names the system packages that are missing."
             )
         else:
-            made += _maps(files, views, images, reach, tool)
+            made += _maps(files, views, images[: len(views)], reach, tool)
+            if device_maps and sources.device:
+                path = folder / f"device_map{suffix}.png"
+                compose_device(
+                    path, tool["name"], reach, device_maps[index], sources.device, held, images[len(views) :]
+                )
+                tool["device"]["picture"] = path.name
+                what = f"{device_caption(tool['name'], sources.device)}: where it would hum"
+                made.append({"file": path.name, "caption": what})
         if tool["worst"]:
             curve_picture(files[3], tool)
             made.append(
@@ -106,7 +122,8 @@ def _maps(
     balls = Marks(places, "held-out points", "o", 150.0, ERRORS, 100 * errors, labels)
     compose(files[0], captions[0], views[0::3], images[0::3], [group for group in marks if len(group.places)])
     if held:
-        scale = Scale(ERRORS, 0.0, top, "error, %", tolerance)
+        mark = None if tolerance is None else (100 * tolerance, f"asked\n{asked(tolerance)}")
+        scale = Scale(ERRORS, 0.0, top, "error, %", mark)
         compose(files[1], captions[1], views[1::3], images[1::3], [balls], scale)
     compose(files[2], captions[2], views[2::3], images[2::3], [], Scale(VALUES, low, high, unit))
     drawn = zip(files, captions, (True, bool(held), True), strict=False)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.colors import Colormap
 
 __all__ = ["WINDOW", "Mesh", "View"]
 
@@ -21,12 +22,16 @@ CLEARANCE = 5e-3
 
 @dataclass(frozen=True)
 class Mesh:
-    """vertices (V, 3) m, triangles (F, 3), a colour or the name of a colour scale for values (V,)."""
+    """vertices (V, 3) m, triangles (F, 3), a colour or a colour scale (or its name) for values (V,).
+
+    `limits`: the values at the scale's ends; those of the mesh when absent.
+    """
 
     vertices: np.ndarray
     triangles: np.ndarray
-    colour: str
+    colour: str | Colormap
     values: np.ndarray | None = None
+    limits: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -72,7 +72,9 @@ def _draw(view: View) -> np.ndarray:
             plotter.add_mesh(surface, color=mesh.colour, ambient=0.36, diffuse=0.82, **look)
         else:
             surface["values"] = mesh.values
-            plotter.add_mesh(surface, scalars="values", cmap=mesh.colour, ambient=0.72, diffuse=0.33, **look)
+            plotter.add_mesh(
+                surface, scalars="values", cmap=mesh.colour, clim=mesh.limits, ambient=0.72, diffuse=0.33, **look
+            )  # fmt: skip
     plotter.camera.focal_point = view.middle
     plotter.camera.position = view.middle + 10.0 * view.height * eye
     plotter.camera.up = top

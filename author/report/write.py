@@ -10,6 +10,7 @@ from typing import Any
 
 from palpate.author.console import plain
 from palpate.author.report.contents import contents
+from palpate.author.report.device_map import device_map
 from palpate.author.report.figures import figures
 from palpate.author.report.gather import gather
 from palpate.author.report.maps import reach_map
@@ -25,8 +26,14 @@ def write(asset: Path, summary: dict[str, Any]) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     sources = gather(asset, summary)
     maps = [reach_map(sources.organ, field) for field in sources.fields]
-    report = contents(sources, maps)
-    drawn, notes = pictures(folder, sources, maps, report)
+    device = sources.device
+    device_maps = [
+        device_map([field], reach, device)
+        for field, reach in zip(sources.fields, maps, strict=True)
+        if device
+    ]
+    report = contents(sources, maps, device_maps)
+    drawn, notes = pictures(folder, sources, maps, report, device_maps)
     report["pictures"], report["notes"] = drawn, report["notes"] + notes
     report = plain(report)
     drawings = figures(sources, maps, report)

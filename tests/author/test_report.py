@@ -22,6 +22,7 @@ import trimesh
 from known_organ import DEPTH, RADIUS, KnownOrgan, field_of
 
 from palpate.author.console import plain
+from palpate.author.haptic_device import HapticDevice
 from palpate.author.report import write_report
 from palpate.author.report.contents import contents
 from palpate.author.report.gather import gather
@@ -110,6 +111,7 @@ SUMMARY = {
     "stages": [{"name": "surface and tetrahedra", "seconds": 95.2}, {"name": "presses", "seconds": 2500.0}],
     "failures": [{"tool": TOOL, "contact_point": [0.0, 0.015, 0.0285], "reason": "the patch has no good mesh"}],
     "versions": {"palpate": "0.1.0"},
+    "device": dataclasses.asdict(HapticDevice("toy", rate=200.0, damping=0.2, assumed=("no delay (--delay)",))),
     "bench": {
         "stick_ns": {"p50": 184.2, "p99": 210.0, "p999": 333.0, "max": 9001.0}, "free_ns": None, "load_ms": 1.23,
         "bytes": 254_321, "machine": "a test",
@@ -240,7 +242,7 @@ def test_every_held_out_press_is_in_the_twin(asset: Path, report: dict[str, Any]
 
 
 SCALE = {"%": 100, "mm": 1e3, "µm": 1e6, "N": 1, "N/m": 1, "s": 1, "min": 1 / 60, "h": 1 / 3600, "B": 1, "": 1,
-         "KiB": 2.0**-10, "MiB": 2.0**-20, "ns": 1, "ms": 1}  # fmt: skip
+         "KiB": 2.0**-10, "MiB": 2.0**-20, "ns": 1, "ms": 1, "Hz": 1}  # fmt: skip
 
 
 def test_numbers_on_the_page_are_those_of_the_twin(html: str, report: dict[str, Any]) -> None:
@@ -374,11 +376,26 @@ def test_each_tool_has_its_section(asset: Path, tmp_path: Path, monkeypatch: pyt
     assert report["tools"][1]["failures"] == [] and report["tools"][1]["rfield_bytes"] is None
 
 
+def test_a_scenes_device_is_held_against_each_tool(html: str, report: dict[str, Any]) -> None:
+    tool = report["tools"][0]
+    device, sigma = tool["device"], tool["field"]["stiffness_max"]
+    assert device["stiffness_allowed"] == pytest.approx(0.2 / (0.5 / 200.0))
+    assert device["rate_needed"] == pytest.approx(sigma / (2 * 0.2)) and device["rate_needed"] > 200
+    assert not device["met"] and 0.0 < device["share"] < 1.0
+    assert "The device hums" in html and "no delay (--delay)" in html
+
+
 def test_pictures_exist(asset: Path, can_draw: None) -> None:
     made = {path.name: path.stat().st_size for path in (asset / "report").glob("*.png")}
     report = json.loads((asset / "report" / "report.json").read_text())
     assert not [note for note in report["notes"] if "could not be drawn" in note]
-    assert set(made) == {"organ.png", "error_map.png", "stiffness_map.png", "worst_curves.png"}
+    assert set(made) == {
+        "organ.png",
+        "error_map.png",
+        "stiffness_map.png",
+        "worst_curves.png",
+        "device_map.png",
+    }
     assert min(made.values()) > 10_000
 
 

@@ -29,10 +29,29 @@ def inspect_field(path: Path) -> Answer:
 
 
 def _rfield(path: Path) -> Answer:
+    from palpate.fields.rfield_layout import SECTIONS, section_element_size
+    from palpate.fields.rfield_read import read_header
     from palpate.runtime import Field
 
-    result = {"path": str(path), **dataclasses.asdict(Field.open(path).info)}
-    return Answer(result, [_two_columns(result)])
+    info = Field.open(path).info  # proves the file: what is read below is whole
+    header = read_header(path)
+    sections = [
+        {"name": section.name, "elements": int(count), "bytes": int(count) * section_element_size(section)}
+        for section, count in zip(SECTIONS, header["section_elements"], strict=True)
+    ]
+    result = {
+        "path": str(path),
+        "version": int(header["version"]),
+        **dataclasses.asdict(info),
+        "header_bytes": int(header["header_size"]),
+        "sections": sections,
+    }
+    shares = table_of("section", "elements", "bytes", "share")
+    for section in sections:
+        share = f"{100 * section['bytes'] / info.bytes:.1f} %"
+        shares.add_row(section["name"], str(section["elements"]), str(section["bytes"]), share)
+    told = {key: value for key, value in result.items() if key != "sections"}
+    return Answer(result, [_two_columns(told), shares])
 
 
 def _asset(path: Path) -> Answer:

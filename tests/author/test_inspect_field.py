@@ -12,6 +12,7 @@ from synthetic_field import synthetic_field
 
 from palpate.author.command_line import main
 from palpate.fields.cook import write_rfield
+from palpate.fields.rfield_layout import SECTION_ALIGNMENT, SECTIONS, VERSION
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,20 @@ def test_a_cooked_field_tells_what_is_in_it(rfield: Path, capfd: pytest.CaptureF
     assert told["tool_hash"] == field.tool.hash
     assert told["depth_max"] == pytest.approx(field.depth_max, rel=1e-6)
     assert told["geometry_blocks_stored"] == field.geometry.signed_distance.block_count
+
+
+def test_the_sizes_of_the_sections_and_the_header_make_the_file(
+    rfield: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    _, told = answer(["inspect", str(rfield)], capfd)
+    assert [section["name"] for section in told["sections"]] == [section.name for section in SECTIONS]
+    sizes = {section["name"]: section["bytes"] for section in told["sections"]}
+    between = told["bytes"] - told["header_bytes"] - sum(sizes.values())
+    assert 0 <= between < SECTION_ALIGNMENT * len(sizes)
+    assert sizes["geometry_coefficients"] == 64 * 2 * told["geometry_blocks_stored"]
+    assert told["version"] == VERSION
+    main(["inspect", str(rfield)])
+    assert "amplitude_coefficients" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize("kept", [0, 10, 100, 0.5, 0.999])

@@ -182,10 +182,10 @@ def small_plane() -> ResponseField:
     )
 
 
-def three_ways() -> bytes:
-    """The plane, cooked for three tilts: upright; half as stiff and 0.2 mm shorter at cosine 0.8; three times as
-    stiff and 0.5 mm shorter at 0.5."""
-    first = synthetic_field()
+def three_ways(first: ResponseField | None = None) -> bytes:
+    """`first` (the plane when absent), cooked for three tilts: upright; half as stiff and 0.2 mm shorter at cosine 0.8;
+    three times as stiff and 0.5 mm shorter at 0.5."""
+    first = first or synthetic_field()
 
     def scaled(factor: float, offset: float) -> ResponseField:
         coefficients = first.amplitudes.coefficients * [factor, factor, factor, 1]

@@ -8,8 +8,8 @@ entry of `SECTIONS`, in order), followed by what versions have added.  A field w
 has one block of `channel_stride` amplitudes for each, on the same curves and the same geometry.  The checksum is CRC-32
 (zlib) of the whole file with the checksum itself taken as zero.
 
-`python -m palpate.fields.rfield_layout` prints `runtime_cpp/src/rfield_layout.h`.  A changed list needs a new VERSION, the old
-one in OLDER_VERSIONS where it is still read, and a golden file (tests/golden/regenerate.py).
+`python -m palpate.fields.rfield_layout` prints `runtime_cpp/src/rfield_layout.h`.  A changed list needs a new VERSION,
+the old one in OLDER_VERSIONS where it is still read, and a golden file (tests/golden/regenerate.py).
 """
 
 from __future__ import annotations

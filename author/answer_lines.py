@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import Any
 
-__all__ = ["author_lines", "certify_lines", "percentiles", "replay_lines"]
+__all__ = ["author_lines", "certify_lines", "percentiles", "replay_lines", "two_contact_lines"]
 
 
 def author_lines(result: dict[str, Any]) -> str:
@@ -84,3 +84,15 @@ def certify_lines(result: dict[str, Any]) -> str:
 def percentiles(error: dict[str, float]) -> str:
     """An error's p50, p95 and max (fractions) in percent."""
     return ", ".join(f"{key} {100 * error[key]:.2f} %" for key in ("p50", "p95", "max"))
+
+
+def two_contact_lines(result: dict[str, Any]) -> str:
+    """Of what `palpate validate --apart` found (two_contacts.py)."""
+    deepest = 1e3 * result["depth"][-1]
+    lines = [
+        f"{1e3 * pair['distance']:.1f} mm apart, both {deepest:.1f} mm deep: a field of one contact is off by "
+        f"{100 * max(abs(row[-1]) for row in pair['normal_error']):.1f} % in normal and by "
+        f"{100 * max(row[-1] for row in pair['lateral_error']):.1f} % in lateral force"
+        for pair in result["pairs"]
+    ]
+    return "\n".join(lines)

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from palpate.author.capabilities import CAPABILITIES, require_capabilities
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.place import Sphere
 from palpate.author.scene import Scene, load_scene
 from palpate.author.units import QuantityError, quantity
 
-__all__ = ["existing", "fidelity_named", "lengths", "one_way_to_press", "ready_scene"]
+__all__ = ["ball_of", "existing", "fidelity_named", "lengths", "one_way_to_press", "ready_scene"]
 
 
 def ready_scene(path: Path) -> Scene:
@@ -28,16 +29,30 @@ def existing(path: Path, expected: str) -> Path:
     return path
 
 
-def lengths(option: str, text: str, count: int) -> tuple[float, ...]:
-    """`count` lengths (m), separated by commas, each a number or a number with a unit.  Raises InputError."""
+def lengths(option: str, text: str, count: int | None = None) -> tuple[float, ...]:
+    """`count` lengths (m; None: any number), separated by commas, each a number or a number with a unit.
+
+    Raises:
+        InputError: there are more or fewer, or one is no length.
+    """
     parts = [part.strip() for part in text.split(",")]
-    if len(parts) != count:
+    if count is not None and len(parts) != count:
         expected = "one length" if count == 1 else f"{count} lengths separated by commas"
         raise InputError(InputProblem("", option, text, f"has {len(parts)} entries", expected))
     try:
         return tuple(quantity(_number(part), "length") for part in parts)
     except QuantityError as error:
         raise InputError(InputProblem("", option, text, error.what, error.expected)) from None
+
+
+def ball_of(option: str, text: str) -> Sphere:
+    """A ball from x, y, z and radius, lengths as above.  Raises InputError."""
+    *centre, radius = lengths(option, text, 4)
+    if radius <= 0.0:
+        raise InputError(
+            InputProblem("", option, text, "has no radius above 0", "X,Y,Z,R, such as 0,0,30 mm,15 mm")
+        )
+    return Sphere(center=(centre[0], centre[1], centre[2]), radius=radius)
 
 
 def fidelity_named(text: str) -> str:

@@ -31,7 +31,7 @@ CAPABILITIES: dict[str, Any] = {
     "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule", "mesh"),
     "several radii of a tool": False,
     "several tilts of a tool": False,
-    "depth over tool radius": 1.0,
+    "depth over tool radius": 1.2,
     "responses": ("potential",),
     "fidelities": ("linear", "near_field", "full"),
     "time budget": True,

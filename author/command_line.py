@@ -18,8 +18,14 @@ from typing import Annotated
 
 import typer
 
-from palpate.author.answer_lines import author_lines, certify_lines, percentiles, replay_lines
-from palpate.author.arguments import existing, fidelity_named, lengths, one_way_to_press, ready_scene
+from palpate.author.answer_lines import (
+    author_lines,
+    certify_lines,
+    percentiles,
+    replay_lines,
+    two_contact_lines,
+)
+from palpate.author.arguments import ball_of, existing, fidelity_named, lengths, one_way_to_press, ready_scene
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 
@@ -198,6 +204,16 @@ def validate(
     points: Annotated[int, typer.Option("--points", min=1, help="fresh presses")] = 40,
     seed: Annotated[int, typer.Option("--seed", min=0, help="draws the points")] = 1,
     tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="one tool only")] = "",
+    within: Annotated[
+        str,
+        typer.Option("--within", metavar="X,Y,Z,R", help="draws points only in this ball; m or with units"),
+    ] = "",
+    apart: Annotated[
+        str,
+        typer.Option(
+            "--apart", metavar="L,...", help="presses two tools at once instead, these lengths apart"
+        ),
+    ] = "",
     as_json: Json = False,
 ) -> None:
     """Press anew where the asset was never pressed, and compare with the runtime."""
@@ -206,11 +222,25 @@ def validate(
         from palpate.author.progress import ConsoleProgress
 
         existing(asset, "an asset folder")
+        if within and apart:
+            what, expected = "says where fresh points lie, and none is drawn", "either --within or --apart"
+            raise InputError(InputProblem("", "--within", within, what, expected))
+        if apart:
+            from palpate.author.two_contacts import two_contacts
+
+            with ConsoleProgress() as progress:
+                pairs = two_contacts(asset, lengths("--apart", apart), seed, tool or None, progress)
+            return Answer(pairs, [two_contact_lines(pairs)])
         from palpate.author.validate import validate as validated
 
         with ConsoleProgress() as progress:
-            result = validated(asset, points=points, seed=seed, tool=tool or None, progress=progress)
-        shown = "\n".join(f"{key}: {percentiles(result[key])}" for key in ("force_error", "lateral_error"))
+            ball = ball_of("--within", within) if within else None
+            result = validated(asset, points, seed, tool or None, progress, ball)
+        shown = "\n".join(
+            f"{key}: {percentiles(result[key])}"
+            for key in ("force_error", "lateral_error", "stuck_error")
+            if result[key]
+        )
         return Answer(result, [shown], 0 if result["met"] else 1)
 
     _end(work, as_json)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from palpate.fem_offline.contact import ContactHessian
 from palpate.fem_offline.far_field import FarField
 from palpate.fem_offline.hessian_pattern import hessian_pattern
 from palpate.fem_offline.linear_solver import Factor
@@ -131,7 +132,7 @@ class FullBody(Tangent):
         near = np.flatnonzero(node < patch_node_count)
         block = sparse.triu(full[far][:, far]).tocsr()
         block.sort_indices()
-        factor = Factor(block.indptr, block.indices)
+        factor = Factor(block.indptr, block.indices, single=True)  # it only preconditions
         factor.factorise(block.data)
         return _FarRest(factor, full[far][:, near].tocsr(), far, near)
 
@@ -141,6 +142,14 @@ class FullBody(Tangent):
 
     def hessian(self, u: np.ndarray) -> np.ndarray:
         return self.tissue.hessian(u, self.pattern)
+
+    def linearise(self, u: np.ndarray, contact: ContactHessian, shift: float, stuck: bool = False) -> None:
+        """As every body's, with the patch's factor made anew: it costs as much as one iteration, and saves five.
+
+        Two solves with the far field's factor make an iteration ten times as dear as near a near field.
+        """
+        self.assemble(u, contact, shift, stuck)
+        self.renew()
 
     def renew(self) -> None:
         u, contact, shift, stuck = self.at

@@ -33,8 +33,10 @@ def contents(
     """The report; `maps` holds one per field, and `device_maps` where the sources have a device."""
     summary = sources.summary
     tools = [
-        _tool(field, validation, reach, summary)
-        for field, validation, reach in zip(sources.fields, sources.validations, maps, strict=True)
+        _tool(field, validation, pairs, reach, summary)
+        for field, validation, pairs, reach in zip(
+            sources.fields, sources.validations, sources.two_contacts, maps, strict=True
+        )
     ]
     for tool, made in zip(tools, device_maps or [], strict=False):
         assert sources.device is not None
@@ -84,7 +86,11 @@ _SHOWN_ELSEWHERE = {
 
 
 def _tool(
-    field: ResponseField, validation: dict[str, Any] | None, reach: ReachMap, summary: dict[str, Any]
+    field: ResponseField,
+    validation: dict[str, Any] | None,
+    pairs: dict[str, Any] | None,
+    reach: ReachMap,
+    summary: dict[str, Any],
 ) -> dict[str, Any]:
     name = field.tool.name
     rows = held_out_rows(validation)
@@ -107,6 +113,7 @@ def _tool(
         },
         "held_out": rows,
         "worst": worst_rows(rows),
+        "two_contacts": [_pair(pair) for pair in (pairs or {}).get("pairs", [])],
         "nodes": _nodes(field.nodes, field.depth_max),
         "failures": failures,
         "representation": field.representation,
@@ -129,6 +136,13 @@ def _device(device: HapticDevice, made: DeviceMap, stiffness_max: float) -> dict
         "share": made.share,
         "picture": None,
     }
+
+
+def _pair(pair: dict[str, Any]) -> dict[str, float]:
+    """The worse of two tools, half as deep as they go and at their deepest."""
+    worst = {name: np.abs(pair[f"{name}_error"]).max(axis=0) for name in ("normal", "lateral")}
+    halves = {f"{name}_half": value[0] for name, value in worst.items()}
+    return {"distance": pair["distance"], **halves, **{name: value[-1] for name, value in worst.items()}}
 
 
 def _nodes(nodes: ResponseNodes, depth_max: float) -> dict[str, Any]:

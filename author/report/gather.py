@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.author.haptic_device import HapticDevice
+from palpate.author.two_contacts import RECORD as TWO_CONTACTS
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField
 from palpate.fields.usd_read import read_field, read_organ, tools
@@ -26,6 +27,7 @@ class Sources:
         organ: its geometry.
         fields: one per tool, by name.
         validations: per field, the content of validation/<tool>.json, or None where there is none.
+        two_contacts: per field, what `palpate validate --apart` found, or None.
         files: path relative to the asset, and bytes, of every file but the report's own and kept presses.
         summary: the JSON dict of `palpate author`.
         device: what the scene's [device] names, or None.
@@ -36,6 +38,7 @@ class Sources:
     organ: OrganGeometry
     fields: list[ResponseField]
     validations: list[dict[str, Any] | None]
+    two_contacts: list[dict[str, Any] | None]
     files: list[dict[str, Any]]
     summary: dict[str, Any]
     notes: list[str]
@@ -46,7 +49,9 @@ def gather(asset: Path, summary: dict[str, Any]) -> Sources:
     """Reads the asset in folder `asset`.  Raises FieldError when it is no asset."""
     fields = [read_field(asset, name) for name in tools(asset)]
     notes: list[str] = []
-    validations = [_validation(asset / "validation" / f"{field.tool.name}.json", notes) for field in fields]
+    kept = asset / "validation"
+    validations = [_validation(kept / f"{field.tool.name}.json", notes) for field in fields]
+    pairs = [_validation(kept / TWO_CONTACTS.format(tool=field.tool.name), notes) for field in fields]
     paths = sorted(path for path in asset.rglob("*") if path.is_file())
     relative = [(path, path.relative_to(asset)) for path in paths]
     files = [
@@ -57,7 +62,7 @@ def gather(asset: Path, summary: dict[str, Any]) -> Sources:
     if unknown := summary.get("device_unknown"):
         notes.append(f"The scene's device is not held against the field: {unknown}")
     device = HapticDevice(**summary["device"]) if summary.get("device") else None
-    return Sources(asset, read_organ(asset), fields, validations, files, summary, notes, device)
+    return Sources(asset, read_organ(asset), fields, validations, pairs, files, summary, notes, device)
 
 
 def _validation(path: Path, notes: list[str]) -> dict[str, Any] | None:

@@ -11,8 +11,11 @@ import pytest
 from palpate.assets import scene_path
 from palpate.author import pipeline, tool_work
 from palpate.author.errors import InputError
+from palpate.author.place import Sphere
 from palpate.author.scene import load_scene
+from palpate.author.two_contacts import two_contacts
 from palpate.author.validate import validate
+from palpate.fem_offline.two_contacts import TwoContacts
 from palpate.fields.usd_read import read_field, tools
 from palpate.fields.usd_validators import asset_errors
 from palpate.runtime import Field
@@ -88,6 +91,41 @@ def test_validate_judges_the_asset_alone_as_the_pipeline_did(block, out):
     judged = validate(out, points=1, seed=1)
     assert judged["force_error"] == pytest.approx(block[0]["tools"][0]["force_error"])
     assert json.loads(Path(judged["record"]).read_text())["points"] == 1
+
+
+def test_validate_draws_points_in_a_ball_only(block, out):
+    place = np.load(next((out / "work" / "press").glob("*.npz")))["contact_point"]
+    ball = Sphere(center=tuple(place), radius=0.3e-3)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("palpate.author.validate.TRUTH", "near_field")
+        judged = validate(out, points=1, seed=3, within=ball)
+    assert np.linalg.norm(np.array(judged["presses"][0]["contact_point"]) - place) < 0.3e-3
+    assert "within" in Path(judged["record"]).name
+    with pytest.raises(InputError, match="holds no surface that the tool may press"):
+        validate(out, points=1, seed=3, within=Sphere(center=(1.0, 1.0, 1.0), radius=0.1))
+
+
+def test_two_contacts_are_kept_and_shown(block, out, monkeypatch):
+    def pressed(organ, points, tool, depths, size):
+        normal = np.array([[0.0, 0.0, 1.0]] * 2)
+        alone = np.array([[[0.0, 0.0, 1.0], [0.0, 0.0, 2.0]]] * 2)
+        return TwoContacts(points, normal, depths, alone / np.array([[[1.1], [1.25]]]), alone, 1e-9, 1e-12)
+
+    monkeypatch.setattr("palpate.fem_offline.two_contacts.press_two", pressed)
+    with pytest.raises(
+        InputError, match=r"--apart = \"90 mm\" is more than the reach holds; expected at most 8 mm"
+    ):
+        two_contacts(out, [0.09])
+    with pytest.raises(InputError, match="so near that the contacts overlap"):
+        two_contacts(out, [5e-3])
+    monkeypatch.setattr(
+        "palpate.author.two_contacts._pair", lambda *a: np.array([[0.0] * 3, [0.02, 0.0, 0.0]])
+    )
+    found = two_contacts(out, [0.02])
+    assert found["pairs"][0]["normal_error"] == [pytest.approx([0.1, 0.25])] * 2
+    report = json.loads((out / "report" / "report.json").read_text())
+    assert report["tools"][0]["two_contacts"][0]["normal"] == pytest.approx(0.25)
+    assert "25.0" in (out / "report" / "index.html").read_text().split("Two tools at once")[1][:2000]
 
 
 def test_the_report_is_there(block, out):

@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""One tool of an asset, with all that is needed to press it anew; from its USD alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from palpate.author.errors import InputError, InputProblem
+from palpate.author.organ_stage import OrganMesh
+from palpate.author.sampling import ReachSamples, reach_samples
+from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support
+from palpate.author.tool_stage import ToolShape, shape_of_reference
+from palpate.fields.organ_geometry import OrganGeometry
+from palpate.fields.response_field import ResponseField
+
+__all__ = ["AuthoredTool", "authored_tool"]
+
+
+@dataclass(frozen=True)
+class AuthoredTool:
+    """A tool's field and the organ that it was pressed into.
+
+    Attributes:
+        scene: the part of the scene that the field was made from.
+        samples: where it may be pressed.
+    """
+
+    field: ResponseField
+    scene: dict[str, Any]
+    mesh: OrganMesh
+    shape: ToolShape
+    samples: ReachSamples
+
+    @property
+    def friction(self) -> float:
+        """Coulomb coefficient; 0 without the effect."""
+        return (self.scene["tool"].get("friction") or 0.0) if "friction" in self.scene["effects"] else 0.0
+
+
+def authored_tool(asset: Path, tool: str | None = None) -> AuthoredTool:
+    """One tool of an asset, the first when none is named.
+
+    Raises:
+        InputError: the asset has no such tool, or was not made by `palpate author`.
+    """
+    from palpate.fields.usd_read import read_field, read_organ, tools
+
+    names = tools(asset)
+    if tool is not None and tool not in names:
+        raise InputError(
+            InputProblem(str(asset), "tool", tool, "is not in this asset", "one of " + ", ".join(names))
+        )
+    field = read_field(asset, tool or names[0])
+    if "scene" not in field.provenance:
+        raise InputError(InputProblem(str(asset), "provenance", None, "names no scene", "an authored asset"))
+    scene = field.provenance["scene"]
+    mesh = _mesh(read_organ(asset), field)
+    shape = shape_of_reference(field.tool)
+    samples = reach_samples(mesh, Reach.model_validate(scene["reach"]), shape, field.depth_max)
+    return AuthoredTool(field, scene, mesh, shape, samples)
+
+
+def _mesh(organ: OrganGeometry, field: ResponseField) -> OrganMesh:
+    """The organ as it was pressed."""
+    scene = field.provenance["scene"]
+    return OrganMesh(
+        organ.vertices,
+        organ.triangles,
+        organ.tet_points,
+        organ.tet_indices,
+        organ.name,
+        Material.model_validate(scene["material"]),
+        tuple(Support.model_validate(support) for support in scene["support"]),
+        tuple(Region.model_validate(region) for region in scene["region"]),
+        organ.provenance,
+        field.provenance["organ"],
+        Capsule.model_validate(scene["capsule"]) if scene.get("capsule") else None,
+    )

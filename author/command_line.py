@@ -116,6 +116,9 @@ def author(
             "--batch", min=1, metavar="N", help="with --device: presses at once; two a core when absent"
         ),
     ] = None,
+    per_vertex: Annotated[
+        bool, typer.Option("--per-vertex", help="curves at each vertex of the surface too, in the USD asset")
+    ] = False,
     as_json: Json = False,
 ) -> None:
     """Make the asset: repair, tetrahedralise, press, fit, write, cook, validate, report."""
@@ -137,6 +140,7 @@ def author(
                 device=device,
                 batch=batch,
                 tool=tool,
+                per_vertex=per_vertex,
             )
         return Answer(result, [author_lines(result)], 0 if result["tolerance_met"] else 1)
 

@@ -55,6 +55,7 @@ def author(
     device: str = "",
     batch: int | None = None,
     tool: str = "",
+    per_vertex: bool = False,
 ) -> dict[str, Any]:
     """Make the asset of a scene in the folder `out`.
 
@@ -62,6 +63,7 @@ def author(
         tool: name of the only one to add to the asset or to replace there; all when empty.
         workers: processes that press; one for each core when absent.  Fewer where memory does not hold them.
         scheduler: address of a Dask scheduler, whose workers press instead.
+        per_vertex: the asset carries each tool's curves at the vertices of its surface too.
         device: evaluates the elements of many presses together; `workers` is then one for each four cores when absent.
         batch: presses at once with a device; two for each core when absent.  Fewer where memory does not hold them.
 
@@ -107,7 +109,7 @@ def author(
     fields = [work.fit(geometry()) for work in tools]
 
     stages.begin("asset")
-    asset = _write(out, organ, fields, replace=not tool)
+    asset = _write(out, organ, fields, not tool, per_vertex)
     results = [_cooked(out, field) for field in fields]
 
     stages.begin("validation")
@@ -262,13 +264,13 @@ def _organ(mesh: OrganMesh, samples: ReachSamples) -> OrganGeometry:
     return mesh.geometry(samples.beyond(mesh)(centres) <= 0.0)
 
 
-def _write(out: Path, organ: OrganGeometry, fields: list[Any], replace: bool) -> Path:
+def _write(out: Path, organ: OrganGeometry, fields: list[Any], replace: bool, per_vertex: bool) -> Path:
     """Args: replace: whatever asset is there; otherwise the fields are added to it."""
     from palpate.fields.usd_write import write_asset
 
     asset = out
     for field in fields:
-        asset = write_asset(out, organ, field, replace=replace and field is fields[0])
+        asset = write_asset(out, organ, field, replace and field is fields[0], per_vertex)
     return asset
 
 

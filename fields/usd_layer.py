@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Sdf, Tf, Usd, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, Vt
 
 from palpate.fields.field_error import FieldError
 from palpate.fields.usd_schema.attributes import APIS, SchemaAttribute
@@ -78,7 +78,10 @@ def author(
 
 
 def author_schema(prim: Sdf.PrimSpec, api: str, values: Mapping[str, Any], element_size: int = 1) -> None:
-    """Apply `api` and author all of its attributes; by member; `element_size` is for per-knot primvars."""
+    """Apply `api` and author all of its attributes; by member; `element_size` is for per-knot primvars.
+
+    Primvars of one value an element are indexed where values repeat, as USD would have it; per-knot ones never are.
+    """
     rows = APIS[api].attributes
     if set(values) != set(rows):
         raise KeyError(f"{api}: {sorted(set(values) ^ set(rows))}")
@@ -89,7 +92,24 @@ def author_schema(prim: Sdf.PrimSpec, api: str, values: Mapping[str, Any], eleme
             metadata["interpolation"] = "vertex"
         if row.per_knot:
             metadata["elementSize"] = element_size
-        author(prim, row.name, row.usd_type, values[member], uniform=not row.is_primvar, **metadata)
+        value = values[member]
+        if row.is_primvar and not row.per_knot and row.usd_type != "bool[]":
+            value = _indexed(prim, row.name, np.asarray(value))
+        author(prim, row.name, row.usd_type, value, uniform=not row.is_primvar, **metadata)
+
+
+def _indexed(prim: Sdf.PrimSpec, name: str, values: np.ndarray) -> np.ndarray:
+    """The distinct values of (N, ...), in order of appearance; authors the indices where they are fewer than N."""
+    values = values + values.dtype.type(0) if values.dtype.kind == "f" else values  # -0.0 + 0.0 is 0.0
+    rows = values.reshape(len(values), -1)
+    _, first, back = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    if len(first) == len(values):
+        return values
+    order = np.argsort(first)
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    author(prim, f"{name}:indices", "int[]", place[back.reshape(-1)])
+    return values[first[order]]
 
 
 def schema_values(prim: Usd.Prim, api: str) -> dict[str, Any]:
@@ -118,6 +138,12 @@ def read_attribute(prim: Usd.Prim, row: SchemaAttribute) -> Any:
         raise FieldError(
             f"{_place(prim)} has {row.name} as {attribute.GetTypeName()}; {row.usd_type} is right"
         )
+    if row.is_primvar and UsdGeom.Primvar(attribute).IsIndexed():
+        indices = np.array(UsdGeom.Primvar(attribute).GetIndices())
+        if len(indices) and not 0 <= indices.min() <= indices.max() < len(value):
+            span, below = f"{indices.min()}..{indices.max()}", len(value) - 1
+            raise FieldError(f"{_place(prim)}: {row.name}:indices span {span}; 0..{below} is right")
+        value = [value[int(i)] for i in indices]
     if row.usd_type in ("string[]", "token[]"):
         return np.array(list(value), dtype=str)
     if row.usd_type.endswith("[]") or row.usd_type[-1].isdigit():
@@ -185,6 +211,7 @@ _ARRAYS = {
     "vector3d[]": (Vt.Vec3dArray, "<f8", (3,)),
     "normal3d[]": (Vt.Vec3dArray, "<f8", (3,)),
     "point3f[]": (Vt.Vec3fArray, "<f4", (3,)),
+    "vector3f[]": (Vt.Vec3fArray, "<f4", (3,)),
     "normal3f[]": (Vt.Vec3fArray, "<f4", (3,)),
     "color3f[]": (Vt.Vec3fArray, "<f4", (3,)),
     "float3[]": (Vt.Vec3fArray, "<f4", (3,)),

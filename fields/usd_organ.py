@@ -18,6 +18,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from palpate.fields import usd_deformable
 from palpate.fields.field_error import FieldError
+from palpate.fields.foot_points import vertex_normals
 from palpate.fields.organ_geometry import OrganGeometry, Support, check_organ, organ_hash
 from palpate.fields.usd_layer import (
     apply_apis,
@@ -138,12 +139,15 @@ def _surface(root: Sdf.PrimSpec, organ: OrganGeometry) -> None:
     author(prim, "faceVertexIndices", "int[]", organ.triangles.reshape(-1))
     author(prim, "subdivisionScheme", "token", "none", uniform=True)
     author(prim, "orientation", "token", "rightHanded", uniform=True)
-    author(prim, "normals", "normal3f[]", _vertex_normals(organ), interpolation="vertex")
-    colour = np.tile(np.array(TISSUE), (len(organ.triangles), 1))
-    colour[organ.reach_triangles] = REACHABLE
+    normals = vertex_normals(organ.vertices, organ.triangles)
+    author(prim, "normals", "normal3f[]", normals, interpolation="vertex")
+    colour = np.zeros(len(organ.triangles), int)
+    colour[organ.reach_triangles] = 1
     for support in organ.supports:
-        colour[support.triangle_indices] = HELD
-    author(prim, "primvars:displayColor", "color3f[]", colour, interpolation="uniform")
+        colour[support.triangle_indices] = 2
+    shades = (TISSUE, REACHABLE, HELD)
+    author(prim, "primvars:displayColor", "color3f[]", shades, interpolation="uniform")
+    author(prim, "primvars:displayColor:indices", "int[]", colour)
     _subset(prim, "Reach", "face", "palpateReach", organ.reach_triangles, role="reach")
     for i, support in enumerate(organ.supports):
         _support_subset(prim, i, support, "face", support.triangle_indices)
@@ -244,17 +248,6 @@ def _subsets(prim: Usd.Prim) -> list[dict[str, Any]]:
                 {**schema_values(subset, "PalpateSubsetAPI"), "indices": np.array(indices, np.int32)}
             )
     return found
-
-
-def _vertex_normals(organ: OrganGeometry) -> np.ndarray:
-    """(V, 3) unit normals, the faces' weighted by area; +z at vertices that no face uses."""
-    a, b, c = (organ.vertices[organ.triangles[:, k]] for k in range(3))
-    face = np.cross(b - a, c - a)
-    normal = np.zeros_like(organ.vertices)
-    for k in range(3):
-        np.add.at(normal, organ.triangles[:, k], face)
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    return np.where(length > 0, normal / np.where(length > 0, length, 1.0), (0.0, 0.0, 1.0))
 
 
 def _surface_faces(organ: OrganGeometry) -> np.ndarray:

@@ -11,9 +11,11 @@ from pxr import Sdf, Tf, Usd
 from palpate.fields.field_error import FieldError
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ContactGeometry, ResponseField
+from palpate.fields.surface_response import SurfaceResponse
 from palpate.fields.usd_layer import check_units, schema_values
 from palpate.fields.usd_organ import organ_from_prim
 from palpate.fields.usd_response import contact_from_prim, field_from_prim
+from palpate.fields.usd_surface_response import surface_response_from_prim
 
 __all__ = [
     "field_at",
@@ -21,6 +23,7 @@ __all__ = [
     "read_contact",
     "read_field",
     "read_organ",
+    "read_surface_response",
     "stored_hashes",
     "tools",
 ]
@@ -73,6 +76,20 @@ def field_at(prim: Usd.Prim) -> ResponseField:
         FieldError: missing or broken attributes.
     """
     return field_from_prim(prim)
+
+
+def read_surface_response(asset_path: str | Path, tool: str) -> SurfaceResponse:
+    """One tool's curves at the vertices of the surface.
+
+    Raises:
+        FieldError: as read_field does, or the tool was authored without them.
+    """
+    names = tools(asset_path)
+    if tool not in names:
+        raise FieldError(f"{asset_path} has no tool {tool!r}; one of {names} is right")
+    stage = _open(asset_path, tool)
+    _check_stage(stage)
+    return surface_response_from_prim(_root(stage))
 
 
 def stored_hashes(asset_path: str | Path) -> tuple[str, str]:

@@ -69,7 +69,7 @@ def contact_layer(root_name: str, geometry: ContactGeometry) -> Sdf.Layer:
         "hash": contact_hash(geometry),
     }
     author_schema(contact, "PalpateContactAPI", values)
-    _lattice(child(contact, "SignedDistance"), geometry.signed_distance, ["signed_distance"])
+    _lattice(child(contact, "SignedDistance", "Scope"), geometry.signed_distance, ["signed_distance"])
     return layer
 
 
@@ -106,10 +106,10 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
             "interval_count": curves.coefficients.shape[1],
             "coefficients": curves.coefficients,
         }
-        author_schema(child(response, name), "PalpateDepthCurvesAPI", rows)
+        author_schema(child(response, name, "Scope"), "PalpateDepthCurvesAPI", rows)
     letters = zip("abm", _curve_groups(field).values(), strict=True)
     channels = [f"{letter}_{r}" for letter, curves in letters for r in range(curves.curve_count)]
-    _lattice(child(response, "Amplitudes"), field.amplitudes, channels)
+    _lattice(child(response, "Amplitudes", "Scope"), field.amplitudes, channels)
     _tool_preview(response, field)
     return layer
 

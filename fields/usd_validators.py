@@ -32,6 +32,13 @@ from palpate.fields.usd_schema.attributes import APIS
 __all__ = ["VALIDATORS", "asset_errors", "register_validators"]
 
 
+CURVES_AT_POINTS = {
+    "PalpateResponseAPI": ("palpate:response:depthKnots", "primvars:palpate:"),
+    "PalpateSurfaceResponseAPI": ("palpate:surfaceResponse:depthKnots", "primvars:palpate:surface:"),
+}
+"""APIs of point-based prims that carry curves over depth; the names of their knots, and how their primvars begin."""
+
+
 def register_validators() -> None:
     """Register palpate's validators with `UsdValidation.ValidationRegistry`; may be repeated."""
     registry = UsdValidation.ValidationRegistry()
@@ -85,10 +92,12 @@ def _element_counts(prim: Usd.Prim) -> Iterator[str]:
         yield from _count(
             prim, "palpate:exactPoints", len(UsdGeom.PointBased(prim).GetPointsAttr().Get() or ())
         )
-    if _has(prim, "PalpateResponseAPI"):
+    for api, (knots_name, _) in CURVES_AT_POINTS.items():
+        if not _has(prim, api):
+            continue
         nodes = len(UsdGeom.PointBased(prim).GetPointsAttr().Get() or ())
-        knots = len(_array(prim, "palpate:response:depthKnots"))
-        for row in APIS["PalpateResponseAPI"].attributes.values():
+        knots = len(_array(prim, knots_name))
+        for row in APIS[api].attributes.values():
             if row.is_primvar:
                 size = knots if row.per_knot else 1
                 yield from _count(prim, row.name, nodes * size)
@@ -113,20 +122,22 @@ def _element_counts(prim: Usd.Prim) -> Iterator[str]:
 
 
 def _knots_rising(prim: Usd.Prim) -> Iterator[str]:
-    if _has(prim, "PalpateResponseAPI"):
-        knots = _array(prim, "palpate:response:depthKnots")
-        if len(knots) < 2 or knots[0] != 0 or not (np.diff(knots) > 0).all():
-            yield f"palpate:response:depthKnots are {knots.tolist()} m; two or more, rising from 0, are right"
+    for api, (name, _) in CURVES_AT_POINTS.items():
+        knots = _array(prim, name)
+        if _has(prim, api) and (len(knots) < 2 or knots[0] != 0 or not (np.diff(knots) > 0).all()):
+            yield f"{name} are {knots.tolist()} m; two or more, rising from 0, are right"
 
 
 def _zero_at_contact(prim: Usd.Prim) -> Iterator[str]:
-    if _has(prim, "PalpateResponseAPI"):
-        knots = len(_array(prim, "palpate:response:depthKnots"))
+    for api, (knots_name, begin) in CURVES_AT_POINTS.items():
+        if not _has(prim, api):
+            continue
+        knots = len(_array(prim, knots_name))
         for name in ("storedEnergy", "normalForce", "lateralGradient"):
-            values = np.abs(_array(prim, f"primvars:palpate:{name}"))
+            values = np.abs(_array(prim, f"{begin}{name}"))
             first = values[::knots] if knots else values
             if first.max(initial=0.0) > ZERO_AT_CONTACT * values.max(initial=0.0):
-                yield f"primvars:palpate:{name} is up to {first.max():.3g} at depth 0; 0 is right"
+                yield f"{begin}{name} is up to {first.max():.3g} at depth 0; 0 is right"
     if _has(prim, "PalpateDepthCurvesAPI") and prim.GetName() == "EnergyCurves":
         coefficients = _array(prim, "palpate:depthCurves:coefficients")
         intervals = prim.GetAttribute("palpate:depthCurves:intervalCount").Get() or 1
@@ -190,7 +201,10 @@ def _array(prim: Usd.Prim, name: str) -> np.ndarray:
 
 
 def _count(prim: Usd.Prim, name: str, right: int) -> Iterator[str]:
-    value = prim.GetAttribute(name).Get()
+    attribute = prim.GetAttribute(name)
+    value = attribute.Get()
+    if value is not None and UsdGeom.Primvar.IsPrimvar(attribute) and UsdGeom.Primvar(attribute).IsIndexed():
+        value = UsdGeom.Primvar(attribute).GetIndices()
     found = 0 if value is None else len(value)
     if found != right:
         yield f"{name} has {found} values; {right} is right"

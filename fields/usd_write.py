@@ -5,7 +5,7 @@
     <folder>/<organ>.usda          interface: variant set "tool", one payload per tool; what people read
     <folder>/geometry.usdc         surface, tets, supports, regions, reach
     <folder>/contact.usdc          signed distance, shared by all tools
-    <folder>/fields/<tool>.usdc    response nodes, depth curves, amplitudes of one tool
+    <folder>/fields/<tool>.usdc    response nodes, depth curves, amplitudes of one tool; on request curves per vertex
 
 Each file is replaced whole, the interface last; a tool's file is touched by that tool alone.  One writer at a
 time: two that add tools to one folder at once may lose one entry of the variant set, never a field file.
@@ -22,16 +22,22 @@ from pxr import Sdf
 from palpate.fields.field_error import FieldError
 from palpate.fields.organ_geometry import OrganGeometry, organ_hash
 from palpate.fields.response_field import ResponseField
+from palpate.fields.surface_response import surface_response
 from palpate.fields.usd_layer import apply_apis, author, new_layer, prim_name, replace_file
 from palpate.fields.usd_organ import organ_layer
-from palpate.fields.usd_read import interface_path, stored_hashes, tools
+from palpate.fields.usd_read import interface_path, read_organ, stored_hashes, tools
 from palpate.fields.usd_response import contact_hash, contact_layer, field_layer
+from palpate.fields.usd_surface_response import author_surface_response
 
 __all__ = ["add_tool", "write_asset"]
 
 
 def write_asset(
-    folder: str | Path, organ: OrganGeometry, field: ResponseField, replace: bool = False
+    folder: str | Path,
+    organ: OrganGeometry,
+    field: ResponseField,
+    replace: bool = False,
+    per_vertex: bool = False,
 ) -> Path:
     """Write an asset with one tool; into a folder that holds the same organ, add or replace that tool.
 
@@ -40,6 +46,7 @@ def write_asset(
         organ: geometry that `field` was pressed on.
         field: the first tool.
         replace: allow another organ or contact geometry; the other tools' fields are then deleted.
+        per_vertex: resample the field at the surface's vertices too (surface_response.py).
 
     Returns:
         path of the interface layer.
@@ -53,12 +60,12 @@ def write_asset(
     _check_name("tool", field.tool.name)
     root = prim_name(organ.name)
     layers = (organ_layer(organ), contact_layer(root, field.geometry))
-    tool_layer = field_layer(root, field, organ_hash(organ))
+    tool_layer = _tool_layer(root, organ, organ_hash(organ), field, per_vertex)
     if any(not path.name.startswith(".") for path in folder.glob("*.usda")):  # a killed writer leaves .part
         old = interface_path(folder)
         new_hashes = (organ_hash(organ), contact_hash(field.geometry))
         if old.stem == organ.name and stored_hashes(old) == new_hashes:
-            return add_tool(folder, field)
+            return add_tool(folder, field, per_vertex)
         if not replace:
             raise FieldError(
                 f"{old} holds another organ or contact geometry; another folder, or replace=True, is right"
@@ -72,8 +79,11 @@ def write_asset(
     return interface
 
 
-def add_tool(folder: str | Path, field: ResponseField) -> Path:
+def add_tool(folder: str | Path, field: ResponseField, per_vertex: bool = False) -> Path:
     """Add or replace one tool of the asset in `folder`; other tools' files are not touched.
+
+    Args:
+        per_vertex: resample the field at the surface's vertices too.
 
     Returns:
         path of the interface layer.
@@ -93,11 +103,23 @@ def add_tool(folder: str | Path, field: ResponseField) -> Path:
             "all tools of an asset share one, fit this field on read_contact()"
         )
     layer = Sdf.Layer.OpenAsAnonymous(str(interface))
-    replace_file(field_layer(layer.defaultPrim, field, organ), _field_path(folder, name))
+    geometry = read_organ(interface) if per_vertex else None
+    made = _tool_layer(layer.defaultPrim, geometry, organ, field, per_vertex)
+    replace_file(made, _field_path(folder, name))
     if name not in tools(interface):
         _add_variant(layer.GetPrimAtPath(f"/{layer.defaultPrim}"), name)
         replace_file(layer, interface)
     return interface
+
+
+def _tool_layer(
+    root: str, organ: OrganGeometry | None, organ_hash: str, field: ResponseField, per_vertex: bool
+) -> Sdf.Layer:
+    layer = field_layer(root, field, organ_hash)
+    if per_vertex:
+        assert organ is not None
+        author_surface_response(layer, surface_response(organ, field))
+    return layer
 
 
 def _check_name(kind: str, name: str) -> None:

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 
+from palpate.fields.foot_points import foot_points, vertex_normals
 from palpate.fields.interpolation import evaluate
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField
@@ -72,16 +73,11 @@ def reach_map(organ: OrganGeometry, field: ResponseField, triangle_limit: int = 
     vertices, triangles = _fine(*decimated(*mesh, triangle_limit), field.amplitudes.spacing, triangle_limit)
     rest = decimated(*_compact(organ.vertices, organ.triangles[~marked]), triangle_limit)
 
-    guess = _vertex_normals(vertices, triangles)
+    guess = vertex_normals(vertices, triangles)
     rho, depth_max = field.tool.offset, field.depth_max
-    start = vertices + rho * guess
-    touching = evaluate(field, start)
-    n = np.where(touching.valid[:, None], touching.normal, guess)
-    phi = np.where(touching.valid, rho - touching.depth, rho)
-    foot = start - phi[:, None] * n
+    foot, n, valid = foot_points(field, vertices, guess)
     depths = depth_max * np.arange(1, LEVELS + 1) / LEVELS
     values = {name: np.zeros((LEVELS, len(vertices))) for name in QUANTITIES}
-    valid = touching.valid.copy()
     for level, d in enumerate(depths):
         at, less, more = (
             evaluate(field, foot + (rho - d - h) * n) for h in (0.0, -STEP * depth_max, STEP * depth_max)
@@ -142,12 +138,3 @@ def _fine(
 def _compact(vertices: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     used, index = np.unique(triangles, return_inverse=True)
     return vertices[used], index.reshape(-1, 3)
-
-
-def _vertex_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    area = np.cross(b - a, c - a)
-    out = np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(out, triangles[:, k], area)
-    return out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-30)

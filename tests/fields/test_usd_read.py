@@ -85,6 +85,30 @@ def test_a_negative_zero_comes_back_as_zero(tmp_path, organ, make_field):
     assert np.array_equal(back, friction) and not np.signbit(back).any()
 
 
+def test_values_that_repeat_are_indexed_and_come_back_bit_by_bit(tmp_path, organ, make_field):
+    made = make_field()
+    normal, depth = made.nodes.normal.copy(), np.full(7, 5e-3 / 3)
+    normal[[1, 4]], depth[2] = normal[0], 1e-3
+    nodes = dataclasses.replace(made.nodes, normal=normal, depth_reached=depth)
+    path = write_asset(tmp_path, organ, dataclasses.replace(made, nodes=nodes))
+    back = read_field(path, "ball_5mm").nodes
+    assert back.normal.tobytes() == normal.tobytes() and back.depth_reached.tobytes() == depth.tobytes()
+    assert back.press_hash.tolist() == made.nodes.press_hash.tolist()
+    stage = Usd.Stage.Open(str(path))
+    points = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/block/Response/Nodes"))
+    stored = points.GetPrimvar("palpate:depthReached")
+    assert len(stored.Get()) == 2 and np.array_equal(np.array(stored.ComputeFlattened()), depth)
+    assert not points.GetPrimvar("palpate:normalForce").IsIndexed()  # one element a node, elementSize > 1
+    del stage, points, stored  # so that the changed file is read
+    edit(
+        tmp_path / "fields" / "ball_5mm.usdc",
+        "/block/Response/Nodes.primvars:palpate:depthReached:indices",
+        lambda v: Vt.IntArray([2] * len(v)),
+    )
+    with pytest.raises(FieldError, match=r"depthReached:indices span 2\.\.2; 0\.\.1 is right"):
+        read_field(path, "ball_5mm")
+
+
 def test_every_array_is_readable_without_the_schema(asset):
     """A host that knows nothing of palpate sees the same bits, by USD's own means."""
     program = f"""

@@ -120,6 +120,8 @@ def field_of(
             failures.append(
                 {"tool": tool.name, "contact_point": point, "reason": reason, "hash": outcome.key}
             )
+    if failures:
+        provenance = {**provenance, "failed_presses": failures}
     reference = reference_of(tool.name, shape_of(scene, tool))
     nodes = fit_nodes(usable, knots_of(scene, tool), reference.offset, geometry)
     field = build_field(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +59,11 @@ def _asset(path: Path) -> Answer:
     from palpate.fields.usd_read import read_field, tools
 
     folder = path if path.is_dir() else path.parent
-    found = [_tool(read_field(path, name)) for name in tools(path)]
+    found = [_tool(read_field(path, name)) | _cooked(folder / f"{name}.rfield") for name in tools(path)]
+    for tool in found:
+        if tool["rfield"] and tool["rfield"]["tool_hash"] != tool["hash"]:
+            what = "was cooked for another tool than the asset's of that name"
+            raise InputError(InputProblem(tool["rfield"]["path"], "", None, what, f"palpate cook {folder}"))
     everything = sorted(file for file in folder.rglob("*") if file.is_file())
     files = [file for file in everything if file.relative_to(folder).parts[0] != "work"]
     result = {
@@ -88,11 +93,25 @@ def _asset(path: Path) -> Answer:
         [
             f"{path}: {size} in {len(files)} files, and {work} of kept work",
             table,
+            *(line for tool in found for line in _troubles(tool)),
         ],
     )
 
 
+def _cooked(path: Path) -> dict[str, Any]:
+    """The cooked field beside an asset, where there is one."""
+    if not path.is_file():
+        return {"rfield": None}
+    from palpate.runtime import Field
+
+    info = Field.open(path).info
+    told = {"bytes": info.bytes, "tool_hash": info.tool_hash, "field_hash": info.field_hash}
+    return {"rfield": {"path": str(path), **told}}
+
+
 def _tool(field: Any) -> dict[str, Any]:
+    from palpate.author.report.contents import FULL_DEPTH
+
     nodes, tool = field.nodes, field.tool
     p50, p95 = np.percentile(nodes.residual, [50, 95])
     return {
@@ -102,6 +121,8 @@ def _tool(field: Any) -> dict[str, Any]:
         "hash": tool.hash,
         "nodes": nodes.node_count,
         "pressed": int(nodes.pressed.sum()),
+        "extrapolated": int(np.sum(nodes.depth_reached < FULL_DEPTH * field.depth_max)),
+        "failed_presses": field.provenance.get("failed_presses", []),
         "knots": len(nodes.depth_knots),
         "depth_max": field.depth_max,
         "force_max": float(nodes.normal_force.max()),
@@ -115,6 +136,14 @@ def _tool(field: Any) -> dict[str, Any]:
         },
         "provenance": field.provenance,
     }
+
+
+def _troubles(tool: dict[str, Any]) -> Iterator[str]:
+    if tool["extrapolated"]:
+        yield f"{tool['name']}: {tool['extrapolated']} nodes are extrapolated below the depth that their press reached"
+    for one in tool["failed_presses"]:
+        place = ", ".join(f"{1e3 * x:.1f}" for x in one["contact_point"])
+        yield f"{tool['name']}: a press failed at ({place}) mm: {one['reason']}"
 
 
 def _two_columns(result: dict[str, Any]) -> Table:

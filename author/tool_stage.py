@@ -21,6 +21,7 @@ from palpate.author.tool_outline import outline_of
 from palpate.fem_offline import tool as solids
 from palpate.fem_offline.errors import ToolError
 from palpate.fem_offline.pose import tilted
+from palpate.fields.field_error import FieldError
 from palpate.fields.response_field import ToolReference
 
 __all__ = [
@@ -183,7 +184,17 @@ def reference_of(name: str, shape: ToolShape) -> ToolReference:
 
 
 def shape_of_reference(reference: ToolReference) -> ToolShape:
-    """The tool that an asset's field was pressed with."""
+    """The tool that an asset's field was pressed with.  Raises FieldError where its hash is not the field's."""
+    shape = _shape_of(reference)
+    if shape.hash != reference.hash:
+        raise FieldError(
+            f"tool {reference.name!r}: its shape, size, tip, axis and tilt hash to {shape.hash[:12]}, but the field "
+            f"was pressed with {reference.hash[:12]}; the tool as it was pressed, or this tool authored again, is right"
+        )
+    return shape
+
+
+def _shape_of(reference: ToolReference) -> ToolShape:
     if reference.shape == "mesh":
         return _meshed(reference.vertices, reference.triangles, reference.axis, reference.tip, reference.tilt)
     tip = None if reference.shape == "sphere" else reference.tip

@@ -151,8 +151,9 @@ def _surface(root: Sdf.PrimSpec, organ: OrganGeometry) -> None:
     _subset(prim, "Reach", "face", "palpateReach", organ.reach_triangles, role="reach")
     for i, support in enumerate(organ.supports):
         _support_subset(prim, i, support, "face", support.triangle_indices)
-    for family in ("palpateReach", "palpateSupport"):
-        _family(prim, family, "unrestricted")
+    _family(prim, "palpateReach", "unrestricted")
+    if any(len(support.triangle_indices) for support in organ.supports):
+        _family(prim, "palpateSupport", "unrestricted")
 
 
 def _tetrahedra(root: Sdf.PrimSpec, organ: OrganGeometry) -> Sdf.PrimSpec:
@@ -213,7 +214,7 @@ def _support_subset(prim: Sdf.PrimSpec, i: int, support: Support, element: str, 
         prim,
         f"Support_{i}_{prim_name(support.name)}",
         element,
-        "palpateSupport",
+        "palpateSupport" if len(indices) else "",  # USD refuses a family without a single index
         indices,
         role="support",
         name=support.name,
@@ -228,7 +229,8 @@ def _subset(
 ) -> Sdf.PrimSpec:
     subset = child(parent, prim, "GeomSubset")
     author(subset, "elementType", "token", element, uniform=True)
-    author(subset, "familyName", "token", family, uniform=True)
+    if family:
+        author(subset, "familyName", "token", family, uniform=True)
     author(subset, "indices", "int[]", indices)
     plain = {"name": "", "label": 0, "kind": "", "stiffness": 0.0, "material": ""}
     author_schema(subset, "PalpateSubsetAPI", {**plain, **values})

@@ -23,6 +23,7 @@ from palpate.fields.field_error import FieldError
 from palpate.fields.organ_geometry import OrganGeometry, organ_hash
 from palpate.fields.response_field import ResponseField
 from palpate.fields.surface_response import surface_response
+from palpate.fields.usd_failed_presses import author_failed_presses
 from palpate.fields.usd_layer import apply_apis, author, new_layer, prim_name, replace_file
 from palpate.fields.usd_organ import organ_layer
 from palpate.fields.usd_read import interface_path, read_organ, stored_hashes, tools
@@ -116,6 +117,7 @@ def _tool_layer(
     root: str, organ: OrganGeometry | None, organ_hash: str, field: ResponseField, per_vertex: bool
 ) -> Sdf.Layer:
     layer = field_layer(root, field, organ_hash)
+    author_failed_presses(layer, field.provenance.get("failed_presses", []))
     if per_vertex:
         assert organ is not None
         author_surface_response(layer, surface_response(organ, field))

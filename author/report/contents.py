@@ -97,7 +97,8 @@ def _tool(
     points = (validation or {}).get("points", len(rows))
     converged = sum(row["converged"] for row in rows)
     authored = next((one for one in summary.get("tools") or [] if one.get("name") == name), {})
-    failures = [one for one in summary.get("failures") or [] if one.get("tool", name) == name]
+    known = summary.get("failures", field.provenance.get("failed_presses"))
+    failures = [one for one in known or [] if one.get("tool", name) == name]
     return {
         "name": name,
         "shape": field.tool.shape,

@@ -4,12 +4,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdValidation, Vt
 
+from palpate.fields.usd_read import read_organ
 from palpate.fields.usd_validators import VALIDATORS, asset_errors, register_validators
+from palpate.fields.usd_write import write_asset
 
 FAMILIES = {
     "usdValidation",
@@ -155,3 +159,10 @@ def test_a_foreign_stage_is_none_of_our_business():
     registry = UsdValidation.ValidationRegistry()
     ours = [registry.GetOrLoadValidatorByName(name) for name in VALIDATORS]
     assert not UsdValidation.ValidationContext(ours).Validate(stage)
+
+
+def test_an_organ_whose_supports_show_no_triangle_is_valid_too(tmp_path, organ, make_field):
+    supports = tuple(dataclasses.replace(s, triangle_indices=np.zeros(0, np.int32)) for s in organ.supports)
+    path = write_asset(tmp_path, dataclasses.replace(organ, supports=supports), make_field())
+    assert asset_errors(path) == []
+    assert [len(s.triangle_indices) for s in read_organ(path).supports] == [0, 0]

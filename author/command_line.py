@@ -212,6 +212,10 @@ def validate(
         str,
         typer.Option("--within", metavar="X,Y,Z,R", help="draws points only in this ball; m or with units"),
     ] = "",
+    drag: Annotated[
+        int,
+        typer.Option("--drag", min=0, metavar="N", help="then drags the tool both ways at N of the points"),
+    ] = 0,
     apart: Annotated[
         str,
         typer.Option(
@@ -239,10 +243,10 @@ def validate(
 
         with ConsoleProgress() as progress:
             ball = ball_of("--within", within) if within else None
-            result = validated(asset, points, seed, tool or None, progress, ball)
+            result = validated(asset, points, seed, tool or None, progress, ball, drag)
         shown = "\n".join(
             f"{key}: {percentiles(result[key])}"
-            for key in ("force_error", "lateral_error", "stuck_error")
+            for key in ("force_error", "lateral_error", "stuck_error", "slid_error")
             if result[key]
         )
         return Answer(result, [shown], 0 if result["met"] else 1)

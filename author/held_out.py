@@ -9,6 +9,7 @@ sticking press went.  Errors are relative to the FEM normal force at that depth:
     force error    |f_n(tick) - f_n(FEM)| / f_n(FEM)
     lateral error  |f_t(tick) - f_t(FEM)| / f_n(FEM)         frictionless push along the surface
     stuck error    |f_t(tick) - f_t(FEM)| / f_n(FEM)         after a sticking move
+    slid error     |f(tick) - f(FEM)| / f_n(FEM)             after sliding until friction is steady, as far as FEM went
 
 judged where f_n(FEM) exceeds FLOOR of its value at the deepest state.
 """
@@ -16,7 +17,7 @@ judged where f_n(FEM) exceeds FLOOR of its value at the deepest state.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,9 +45,19 @@ class _Rendered:
 
 
 def held_out_jobs(
-    points: np.ndarray, tool: ToolShape, depths: np.ndarray, friction: float, fidelity: str, seed: int
+    points: np.ndarray,
+    tool: ToolShape,
+    depths: np.ndarray,
+    friction: float,
+    fidelity: str,
+    seed: int,
+    dragged: int = 0,
 ) -> list[PressJob]:
-    """Jobs at points (n, 3) m; with friction, each sticks and moves aside at half and full depth."""
+    """Jobs at points (n, 3) m; with friction, each sticks and moves aside at half and full depth.
+
+    Args:
+        dragged: the tool is dragged both ways, at full depth, at so many of them (count); not without friction.
+    """
     generator = np.random.default_rng(seed + 1_000_003)
     jobs = []
     for point in points:
@@ -60,6 +71,8 @@ def held_out_jobs(
         jobs.append(
             PressJob(tuple(map(float, point)), tool, tuple(map(float, depths)), fidelity, moves, friction)
         )
+    if friction:
+        jobs[:dragged] = [replace(job, drag=job.depths[-1:]) for job in jobs[:dragged]]
     return jobs
 
 
@@ -91,6 +104,7 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
         "fidelity": outcome.job.fidelity,
         "seconds": v["seconds"],
         "moves": [],
+        "slides": [],
     }
     if "normal" not in a or len(a["depth"]) < 2:
         return {**row, "normal": [0.0, 0.0, 0.0], "depth": [], "fem_force": [], "rendered_force": [],
@@ -120,6 +134,9 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
                 "error": float(np.linalg.norm(miss - (miss @ n) * n) / scale),
             }
         )
+    row["slides"] = [
+        _slide(field, start, c, n, offset, path) for path in (v.get("drag") or {}).get("paths", ())
+    ]
     mask = lambda values: [float(x) if ok else None for x, ok in zip(values, judged, strict=True)]  # noqa: E731
     return {
         **row,
@@ -130,6 +147,24 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
         "force_error": mask(normal_error),
         "lateral_error": mask(aside),
         "status": rendered.status.tolist(),
+    }
+
+
+def _slide(
+    field: Field, start: np.ndarray, c: np.ndarray, n: np.ndarray, offset: float, path: dict[str, Any]
+) -> dict[str, Any]:
+    """One drag of finite elements, and the same way in the runtime."""
+    here = c + (offset - path["depth"]) * n
+    there = here + path["way"][-1] * np.array(path["direction"])
+    fem = np.array(path["force_vector"][-1])
+    rendered = _render(field, None, [start, here, there]).force[-1]
+    return {
+        "depth": path["depth"],
+        "move": (there - here).tolist(),
+        "fem_force": fem.tolist(),
+        "rendered_force": rendered.tolist(),
+        "steady": path["steady"],
+        "error": float(np.linalg.norm(rendered - fem) / (fem @ n)),
     }
 
 
@@ -158,15 +193,19 @@ def judgement(
         offset: rho, m.
         outcomes: held-out presses.
         near: near-field presses at some of the same points, for the far field's own error; may be empty.
-        tolerance: fraction at the 95th percentile; the worst may be twice that.
+        tolerance: fraction at the 95th percentile, of each kind of error; the worst may be twice that.
     """
     presses = [_press_judgement(field, offset, outcome) for outcome in outcomes]
     flat = lambda key: [x for press in presses for x in press[key]]  # noqa: E731
     force = percentiles(flat("force_error"))
     lateral = percentiles(flat("lateral_error"))
     stuck = percentiles([move["error"] for press in presses for move in press["moves"]])
+    slid = percentiles([slide["error"] for press in presses for slide in press["slides"]])
     failed = sum(not press["converged"] for press in presses)
-    met = force is not None and force["p95"] <= tolerance and force["max"] <= 2.0 * tolerance
+    met = force is not None and all(
+        error is None or (error["p95"] <= tolerance and error["max"] <= 2.0 * tolerance)
+        for error in (force, lateral, stuck, slid)
+    )
     return {
         "fidelity": outcomes[0].job.fidelity if outcomes else "",
         "tolerance": tolerance,
@@ -178,6 +217,7 @@ def judgement(
         "force_error": force,
         "lateral_error": lateral,
         "stuck_error": stuck,
+        "slid_error": slid,
         "far_field_error": _far_field_error(outcomes, near),
         "presses": presses,
     }

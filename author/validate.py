@@ -35,11 +35,13 @@ def validate(
     tool: str | None = None,
     progress: Progress | None = None,
     within: Sphere | None = None,
+    drag: int = 0,
 ) -> dict[str, Any]:
     """Held-out errors of one tool (the first when none is named) at freshly drawn points.
 
     Args:
         within: points are drawn there only.
+        drag: presses after which the tool is dragged both ways as well (count).
 
     Raises:
         InputError: the asset has no such tool, was not made by `palpate author`, or has nothing to press `within`.
@@ -65,6 +67,7 @@ def validate(
         authored.friction,
         TRUTH,
         seed,
+        drag,
     )
     folder = asset if asset.is_dir() else asset.parent
     with tempfile.TemporaryDirectory() as scratch:

@@ -13,6 +13,13 @@ __all__ = ["JUST_NOTICEABLE", "overall", "verdict"]
 JUST_NOTICEABLE = 0.07
 """Smallest relative difference of force that people notice (measured at 2.5 to 10 N; larger for smaller forces)."""
 
+_KINDS = {
+    "force_error": "",
+    "lateral_error": " of the lateral push",
+    "stuck_error": " after a sticking move",
+    "slid_error": " after sliding",
+}
+
 STATES = ("met", "missed", "unjudged")
 
 
@@ -55,14 +62,17 @@ def overall(verdicts: list[dict[str, str]]) -> str:
 
 
 def _shortfalls(validation: dict[str, Any]) -> list[str]:
-    error, tolerance = validation["force_error"], validation["tolerance"]
+    tolerance = validation["tolerance"]
     out = []
-    if error["p95"] > tolerance:
-        out.append(f"the 95th percentile, {percent(error['p95'])}, is above {asked(tolerance)}")
-    if error["max"] > 2.0 * tolerance:
-        out.append(
-            f"the worst, {percent(error['max'])}, is above twice the tolerance, {asked(2 * tolerance)}"
-        )
+    for key, name in _KINDS.items():
+        error = validation.get(key)
+        if error is None:
+            continue
+        if error["p95"] > tolerance:
+            out.append(f"the 95th percentile{name}, {percent(error['p95'])}, is above {asked(tolerance)}")
+        if error["max"] > 2.0 * tolerance:
+            worst = percent(error["max"])
+            out.append(f"the worst{name}, {worst}, is above twice the tolerance, {asked(2 * tolerance)}")
     failed = validation.get("failed", 0)
     if failed:
         out.append(f"{failed} held-out press{'es' if failed > 1 else ''} failed or stopped early")

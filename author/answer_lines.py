@@ -16,12 +16,20 @@ def author_lines(result: dict[str, Any]) -> str:
         presses = f"{tool['presses']} presses ({tool['failed']} failed), {tool['nodes']} nodes"
         size = f"{tool['bytes'] / 1024:.0f} KiB"
         lines.append(f"{tool['name']}: {presses}, {size}; force error {percentiles(tool['force_error'])}")
+        if family := tool.get("family"):
+            lines += [f"{tool['name']}: {_of_radius(row)}" for row in family["radii"]]
         if sampling := tool.get("sampling"):
             lines.append(
                 f"{tool['name']}: sampling ended: {sampling['ended']}{_estimated(sampling['rounds'])}"
             )
     lines.append("tolerance met" if result["tolerance_met"] else "tolerance NOT met")
     return "\n".join(lines)
+
+
+def _of_radius(row: dict[str, Any]) -> str:
+    how = "pressed" if row["pressed"] else "between pressed radii"
+    error = percentiles(row["force_error"]) if row["force_error"] else "not known"
+    return f"radius {1e3 * row['radius']:.4g} mm ({how}, {row['points']} points) force error {error}"
 
 
 def _estimated(rounds: dict[str, Any]) -> str:

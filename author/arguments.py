@@ -9,10 +9,21 @@ from pathlib import Path
 from palpate.author.capabilities import CAPABILITIES, require_capabilities
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.place import Sphere
+from palpate.author.radii import is_family, one_radius
 from palpate.author.scene import Scene, load_scene
+from palpate.author.scene_tables import Tool
 from palpate.author.units import QuantityError, quantity
 
-__all__ = ["ball_of", "existing", "fidelity_named", "lengths", "one_way_to_press", "ready_scene"]
+__all__ = [
+    "ball_of",
+    "existing",
+    "fidelity_named",
+    "lengths",
+    "one_way_to_press",
+    "pressed_radius",
+    "radius_given",
+    "ready_scene",
+]
 
 
 def ready_scene(path: Path) -> Scene:
@@ -53,6 +64,30 @@ def ball_of(option: str, text: str) -> Sphere:
             InputProblem("", option, text, "has no radius above 0", "X,Y,Z,R, such as 0,0,30 mm,15 mm")
         )
     return Sphere(center=(centre[0], centre[1], centre[2]), radius=radius)
+
+
+def radius_given(text: str) -> float | None:
+    """The length (m) of --radius, None where it is not given.  Raises InputError."""
+    if not text:
+        return None
+    radius = lengths("--radius", text, 1)[0]
+    if not radius > 0.0:
+        raise InputError(InputProblem("", "--radius", text, "is not above 0", 'a radius such as "3.5 mm"'))
+    return radius
+
+
+def pressed_radius(scene: Scene, tool: Tool, radius: float | None) -> Scene:
+    """The scene with one radius (m) of a family.  Raises InputError where it is not clear which ball is meant."""
+    if is_family(tool):
+        if radius is None:
+            known = ", ".join(f"{1e3 * one:.4g}" for one in tool.radius or ())
+            what = f"is a family of balls ({known} mm), and one press takes one"
+            raise InputError(InputProblem(str(scene.file), "--tool", tool.name, what, "--radius beside it"))
+        return one_radius(scene, tool, radius)[0]
+    if radius is not None:
+        what = f"is asked of {tool.name}, which is no family"
+        raise InputError(InputProblem(str(scene.file), "--radius", radius, what, "no --radius"))
+    return scene
 
 
 def fidelity_named(text: str) -> str:

@@ -10,11 +10,12 @@ from typing import Any
 
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.organ_stage import OrganMesh
-from palpate.author.sampling import ReachSamples, reach_samples
+from palpate.author.sampling import ReachSamples
 from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support
+from palpate.author.tool_family import common_samples
 from palpate.author.tool_stage import ToolShape, shape_of_reference
 from palpate.fields.organ_geometry import OrganGeometry
-from palpate.fields.response_field import ResponseField
+from palpate.fields.response_field import FamilyMember, ResponseField
 
 __all__ = ["AuthoredTool", "authored_tool"]
 
@@ -25,7 +26,8 @@ class AuthoredTool:
 
     Attributes:
         scene: the part of the scene that the field was made from.
-        samples: where it may be pressed.
+        shape: the tool; of a family the ball whose field this is.
+        samples: where it may be pressed, with every radius of a family.
     """
 
     field: ResponseField
@@ -58,9 +60,14 @@ def authored_tool(asset: Path, tool: str | None = None) -> AuthoredTool:
         raise InputError(InputProblem(str(asset), "provenance", None, "names no scene", "an authored asset"))
     scene = field.provenance["scene"]
     mesh = _mesh(read_organ(asset), field)
-    shape = shape_of_reference(field.tool)
-    samples = reach_samples(mesh, Reach.model_validate(scene["reach"]), shape, field.depth_max)
-    return AuthoredTool(field, scene, mesh, shape, samples)
+    members = field.family or (FamilyMember(field.tool, field.nodes),)
+    samples = common_samples(
+        mesh,
+        Reach.model_validate(scene["reach"]),
+        [shape_of_reference(member.tool) for member in members],
+        [float(member.nodes.depth_knots[-1]) for member in members],
+    )
+    return AuthoredTool(field, scene, mesh, shape_of_reference(field.tool), samples)
 
 
 def _mesh(organ: OrganGeometry, field: ResponseField) -> OrganMesh:

@@ -29,7 +29,7 @@ CAPABILITIES: dict[str, Any] = {
     "painted stiffness": False,
     "support kinds": ("fixed", "elastic"),
     "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule", "mesh"),
-    "several radii of a tool": False,
+    "several radii of a tool": ("sphere",),
     "several tilts of a tool": False,
     "depth over tool radius": 1.2,
     "responses": ("potential",),
@@ -106,15 +106,18 @@ def _tool(key: str, tool: Tool, scene: Scene) -> Iterator[Unsupported]:
     yield from _one_of(f"{key}.shape", tool.shape, "tool shapes", "the shape")
     if tool.shape not in CAPABILITIES["tool shapes"]:
         return
-    if tool.radius is not None and len(tool.radius) > 1:
-        yield from _switch(f"{key}.radius", list(tool.radius), "several radii of a tool", "one radius")
+    families = CAPABILITIES["several radii of a tool"] or ()
+    if tool.radius is not None and len(tool.radius) > 1 and tool.shape not in families:
+        supported = "one radius" + (f", or several of a {', '.join(families)}" if families else "")
+        yield f"{key}.radius", list(tool.radius), f"several radii of a {tool.shape}", supported
     if tool.tilt is not None and len(tool.tilt) > 1:
         yield from _switch(f"{key}.tilt", list(tool.tilt), "several tilts of a tool", "one tilt")
     if tool.radius:
         ratio = CAPABILITIES["depth over tool radius"]
-        limit = ratio * min(tool.radius)
+        limit = ratio * max(tool.radius)  # of several radii each presses to its own share
         if scene.depth_max(tool) > limit * (1.0 + 1e-9):
-            what = f'presses deeper than {ratio:g} x the radius of tool "{tool.name}"'
+            which = "largest radius" if len(tool.radius) > 1 else "radius"
+            what = f'presses deeper than {ratio:g} x the {which} of tool "{tool.name}"'
             yield "reach.depth_max", scene.depth_max(tool), what, f"at most {limit:g} m"
 
 

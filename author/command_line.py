@@ -25,7 +25,16 @@ from palpate.author.answer_lines import (
     replay_lines,
     two_contact_lines,
 )
-from palpate.author.arguments import ball_of, existing, fidelity_named, lengths, one_way_to_press, ready_scene
+from palpate.author.arguments import (
+    ball_of,
+    existing,
+    fidelity_named,
+    lengths,
+    one_way_to_press,
+    pressed_radius,
+    radius_given,
+    ready_scene,
+)
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 
@@ -157,6 +166,7 @@ def press(
     fidelity: Annotated[
         str, typer.Option("--fidelity", help="linear, near_field or full; default: scene's")
     ] = "",
+    radius: Annotated[str, typer.Option("--radius", metavar="R", help="of a tool family: which ball")] = "",
     drag: Annotated[bool, typer.Option("--drag", help="then drag it both ways: friction over depth")] = False,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="keeps the work, the answer and a picture")
@@ -177,7 +187,7 @@ def press(
         if deepest <= 0:
             raise InputError(InputProblem("", "--depth", depth, "is not above 0", 'a depth such as "5 mm"'))
         ready = ready_scene(scene)
-        ready.tool_named(tool)
+        ready = pressed_radius(ready, ready.tool_named(tool), radius_given(radius))
         chosen = fidelity_named(fidelity or ready.accuracy.fidelity)
         from palpate.author.press_command import PressFiles, press_lines
         from palpate.author.press_command import press as pressed
@@ -202,6 +212,12 @@ def press(
     _end(work, as_json)
 
 
+Radius = Annotated[
+    str,
+    typer.Option("--radius", metavar="R", help='of a tool family, any between pressed ones, as "3.5 mm"'),
+]
+
+
 @app.command()
 def validate(
     asset: Asset,
@@ -222,6 +238,7 @@ def validate(
             "--apart", metavar="L,...", help="presses two tools at once instead, these lengths apart"
         ),
     ] = "",
+    radius: Radius = "",
     as_json: Json = False,
 ) -> None:
     """Press anew where the asset was never pressed, and compare with the runtime."""
@@ -230,6 +247,7 @@ def validate(
         from palpate.author.progress import ConsoleProgress
 
         existing(asset, "an asset folder")
+        asked = radius_given(radius)
         if within and apart:
             what, expected = "says where fresh points lie, and none is drawn", "either --within or --apart"
             raise InputError(InputProblem("", "--within", within, what, expected))
@@ -243,7 +261,7 @@ def validate(
 
         with ConsoleProgress() as progress:
             ball = ball_of("--within", within) if within else None
-            result = validated(asset, points, seed, tool or None, progress, ball, drag)
+            result = validated(asset, points, seed, tool or None, progress, ball, drag, asked)
         shown = "\n".join(
             f"{key}: {percentiles(result[key])}"
             for key in ("force_error", "lateral_error", "stuck_error", "slid_error")
@@ -261,6 +279,7 @@ def cook(
         Path | None, typer.Option("--out", metavar="DIR", help="the asset folder when absent")
     ] = None,
     tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="one tool only")] = "",
+    radius: Radius = "",
     as_json: Json = False,
 ) -> None:
     """Cook an asset's response fields into .rfield files for the runtime."""
@@ -268,7 +287,7 @@ def cook(
     def work() -> Answer:
         from palpate.author.cook_asset import cook_asset
 
-        return cook_asset(existing(asset, "an asset folder"), out, tool or None)
+        return cook_asset(existing(asset, "an asset folder"), out, tool or None, radius_given(radius))
 
     _end(work, as_json)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressOutcome
+from palpate.author.radii import members_of
 from palpate.author.sampling import ReachSamples
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
@@ -37,9 +38,12 @@ REACH_MARGIN = 15e-3
 
 
 def tool_band(scene: Scene, tool: Tool) -> tuple[float, float]:
-    """(low, high) m of phi that a tool needs."""
-    offset, depth = offset_of(shape_of(scene, tool)), scene.depth_max(tool)
-    return float(offset - depth - max(DEEPER * depth, 1.5e-3)), float(offset + BAND_OUTSIDE)
+    """(low, high) m of phi that a tool needs, in all its radii."""
+    bands = []
+    for own, member in members_of(scene, tool):
+        offset, depth = offset_of(shape_of(own, member)), own.depth_max(member)
+        bands.append((float(offset - depth - max(DEEPER * depth, 1.5e-3)), float(offset + BAND_OUTSIDE)))
+    return min(low for low, _ in bands), max(high for _, high in bands)
 
 
 def band_of(scene: Scene) -> tuple[float, float]:

@@ -26,7 +26,7 @@ from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.tool_stage import ToolShape
 from palpate.runtime import Config, Field, Session
 
-__all__ = ["FLOOR", "held_out_jobs", "judgement", "percentiles"]
+__all__ = ["FLOOR", "held_out_jobs", "judgement", "judgement_of", "percentiles", "press_judgements"]
 
 FLOOR = 0.05
 """Share of the deepest force below which errors are not judged: nothing is felt there."""
@@ -195,7 +195,21 @@ def judgement(
         near: near-field presses at some of the same points, for the far field's own error; may be empty.
         tolerance: fraction at the 95th percentile, of each kind of error; the worst may be twice that.
     """
-    presses = [_press_judgement(field, offset, outcome) for outcome in outcomes]
+    return judgement_of(press_judgements(field, offset, outcomes), outcomes, near, tolerance)
+
+
+def press_judgements(field: Field, offset: float, outcomes: Sequence[PressOutcome]) -> list[dict[str, Any]]:
+    """One row for each press, in their order."""
+    return [_press_judgement(field, offset, outcome) for outcome in outcomes]
+
+
+def judgement_of(
+    presses: Sequence[dict[str, Any]],
+    outcomes: Sequence[PressOutcome],
+    near: Sequence[PressOutcome],
+    tolerance: float,
+) -> dict[str, Any]:
+    """`judgement` from rows of `press_judgements`, in the order of `outcomes`."""
     flat = lambda key: [x for press in presses for x in press[key]]  # noqa: E731
     force = percentiles(flat("force_error"))
     lateral = percentiles(flat("lateral_error"))
@@ -219,15 +233,15 @@ def judgement(
         "stuck_error": stuck,
         "slid_error": slid,
         "far_field_error": _far_field_error(outcomes, near),
-        "presses": presses,
+        "presses": list(presses),
     }
 
 
 def _far_field_error(full: Sequence[PressOutcome], near: Sequence[PressOutcome]) -> dict[str, float] | None:
-    truth = {outcome.job.contact_point: outcome for outcome in full}
+    truth = {(outcome.job.contact_point, outcome.job.tool): outcome for outcome in full}
     errors: list[float] = []
     for outcome in near:
-        other = truth.get(outcome.job.contact_point)
+        other = truth.get((outcome.job.contact_point, outcome.job.tool))
         if other is None or not (outcome.converged and other.converged):
             continue
         f = other.arrays["force_vector"][1:] @ other.arrays["normal"]

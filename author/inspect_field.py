@@ -118,6 +118,14 @@ def _tool(field: Any) -> dict[str, Any]:
         "name": tool.name,
         "shape": tool.shape,
         "parameters": tool.parameters,
+        "radii": [
+            {
+                "radius": member.radius,
+                "depth_max": float(member.nodes.depth_knots[-1]),
+                "hash": member.tool.hash,
+            }
+            for member in field.family
+        ],
         "hash": tool.hash,
         "nodes": nodes.node_count,
         "pressed": int(nodes.pressed.sum()),

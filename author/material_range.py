@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from palpate.author.errors import InputError
+from palpate.author.radii import members_of
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Material
 from palpate.author.solid import solid_of
@@ -29,7 +30,7 @@ def stretch_range(scene: Scene) -> tuple[float, float]:
     low, high = 1.0, 1.0
     for tool in scene.tool:
         if tool.shape in ("sphere", "capsule") and tool.radius:
-            s = scene.depth_max(tool) / tool.radius[0]
+            s = max(own.depth_max(one) / one.radius[0] for own, one in members_of(scene, tool) if one.radius)
             low = min(low, max(WHOLE[0], 1.0 - MILD[0] * s))
             high = max(high, min(WHOLE[1], 1.0 + MILD[1] * s))
         else:

@@ -22,6 +22,7 @@ from palpate.author.batch_executor import (
     threads_by_process,
 )
 from palpate.author.errors import InputError
+from palpate.author.family_work import work_of
 from palpate.author.field_stage import contact_geometry_of
 from palpate.author.haptic_device import scene_device
 from palpate.author.one_tool import asset_geometry, chosen_tools, with_other_tools
@@ -92,7 +93,7 @@ def author(
             executor = stack.enter_context(_cluster(scheduler, progress))
         stages.begin("surface and tetrahedra")
         mesh = mesh_organ(scene, store)
-        tools = [ToolWork(scene, mesh, tool) for tool in chosen]
+        tools = [work_of(scene, mesh, tool) for tool in chosen]
         samples = _reach(scene, mesh, tools)
         organ = _organ(mesh, samples)
         known = asset_geometry(scene, chosen[0], organ, out) if tool else None
@@ -110,11 +111,11 @@ def author(
 
     stages.begin("asset")
     asset = _write(out, organ, fields, not tool, per_vertex)
-    results = [_cooked(out, field) for field in fields]
+    results = [work.cook(out, field) for work, field in zip(tools, fields, strict=True)]
 
     stages.begin("validation")
-    for work, result in zip(tools, results, strict=True):
-        judged = work.validate(out, result["rfield"])
+    for work, field, result in zip(tools, fields, results, strict=True):
+        judged = work.validate(out, field, result)
         result.update(
             presses=len(work.node_outcomes) + len(judged["presses"]),
             failed=len(work.failures) + judged["failed"],
@@ -124,6 +125,7 @@ def author(
             stuck_error=judged["stuck_error"],
             far_field_error=judged["far_field_error"],
             met=judged["met"],
+            **({"family": judged["family"]} if "family" in judged else {}),
             sampling=work.rounds.sampling.report(),
         )
 
@@ -201,8 +203,7 @@ def _pressed(
     width = _kept_width(store, digest(asked), max(1, executor.workers))
     out_of_time: Callable[[], bool] = lambda: until is not None and time.perf_counter() > until  # noqa: E731
     first = [job for work in tools for job in work.begin(geometry, width, out_of_time)]
-    checks = sum(len(work.held_jobs) + len(work.near_jobs) for work in tools)
-    stages.begin("presses", checks + sum(work.most for work in tools))
+    stages.begin("presses", sum(work.presses_at_most for work in tools))
     rate = PressRate(first, lambda: executor.workers)
 
     def done(outcome: PressOutcome) -> None:
@@ -215,7 +216,7 @@ def _pressed(
         progress.advance(1, ", ".join(filter(None, notes)), rate.left)
 
     def more() -> list[PressJob]:
-        jobs = [job for work in tools for job in work.rounds.more()]
+        jobs = [job for work in tools for job in work.more()]
         rate.asked(jobs)
         return jobs
 
@@ -251,7 +252,7 @@ class _Stages:
 def _reach(scene: Scene, mesh: OrganMesh, tools: list[ToolWork]) -> ReachSamples:
     """What the scene's first tool reaches, whether it is pressed or not: the asset's geometry is made for that."""
     first = scene.tool[0]
-    known = [work.samples for work in tools if work.tool is first]
+    known = [work.samples for work in tools if work.tool.name == first.name]
     return (
         known[0]
         if known
@@ -272,17 +273,3 @@ def _write(out: Path, organ: OrganGeometry, fields: list[Any], replace: bool, pe
     for field in fields:
         asset = write_asset(out, organ, field, replace and field is fields[0], per_vertex)
     return asset
-
-
-def _cooked(out: Path, field: Any) -> dict[str, Any]:
-    from palpate.fields.cook import write_rfield
-
-    path = out / f"{field.tool.name}.rfield"
-    write_rfield(field, path)
-    return {
-        "name": field.tool.name,
-        "rfield": str(path),
-        "bytes": path.stat().st_size,
-        "nodes": field.nodes.node_count,
-        "representation": field.representation,
-    }

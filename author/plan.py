@@ -111,7 +111,7 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
     nodes = node_count(area, scene.accuracy.force_tolerance)
     seeds = seed_count(nodes)
     nodes += region_nodes(len(scene.organ.region))
-    presses = nodes + scene.accuracy.held_out
+    radii = len(tool.radius or (0,))  # of a family each is pressed at every node
     return {
         "name": tool.name,
         "shape": tool.shape,
@@ -121,8 +121,8 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
         "seeds": seeds,
         "nodes": nodes,
         "held_out": scene.accuracy.held_out,
-        "presses": presses,
-        "cpu_seconds": nodes * PRESS_SECONDS[scene.accuracy.fidelity]
+        "presses": radii * nodes + scene.accuracy.held_out,
+        "cpu_seconds": radii * nodes * PRESS_SECONDS[scene.accuracy.fidelity]
         + scene.accuracy.held_out * PRESS_SECONDS["full"],
     }
 

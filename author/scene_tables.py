@@ -200,7 +200,7 @@ class Tool(Table):
         description="sphere flat_punch cylinder cone capsule mesh"
     )
     radius: Annotated[tuple[Length, ...], OneOrMore] | None = Field(
-        default=None, description="above 0; several radii make a family"
+        default=None, description="above 0; several radii of a sphere make a family"
     )
     edge_radius: Length | None = Field(
         default=None, description="rounding of a flat punch's edge or a cone's tip, above 0"

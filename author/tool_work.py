@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
@@ -29,9 +29,9 @@ from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.seeds import above_regions, places_of
 from palpate.author.tool_stage import ToolShape, contact_extent, heading_matters, reference_of, shape_of
-from palpate.fields.response_field import ContactGeometry
+from palpate.fields.response_field import ContactGeometry, ResponseField
 
-__all__ = ["ToolWork", "ladder", "versions"]
+__all__ = ["TRUTH", "ToolWork", "cooked", "ladder", "versions"]
 
 LADDER_STEPS = 10
 """Depths of a normal ladder, evenly spaced: a step of 0.1 R at depth R."""
@@ -47,15 +47,17 @@ def ladder(depth_max: float) -> np.ndarray:
 
 
 class ToolWork:
-    """One tool of a scene."""
+    """One tool of a scene.  `samples`: where it may press, found when None."""
 
-    def __init__(self, scene: Scene, mesh: OrganMesh, tool: Tool) -> None:
+    def __init__(
+        self, scene: Scene, mesh: OrganMesh, tool: Tool, samples: ReachSamples | None = None
+    ) -> None:
         self.tool, self._scene, self._mesh = tool, scene, mesh
         self.shape = shape_of(scene, tool)
         self.reference = reference_of(tool.name, self.shape)
         self.depth_max = scene.depth_max(tool)
         self.seed = scene.accuracy.seed
-        self.samples: ReachSamples = reach_samples(mesh, scene.reach, self.shape, self.depth_max)
+        self.samples = samples or reach_samples(mesh, scene.reach, self.shape, self.depth_max)
         if not self.samples.allowed.any():
             why = "; ".join(f"{count} places: {reason}" for reason, count in self.samples.left_out.items())
             raise InputError(
@@ -72,10 +74,9 @@ class ToolWork:
             expected = "fewer, or a larger reach"
             raise InputError(scene.problem("accuracy.held_out", scene.accuracy.held_out, what, expected))
         held = self.samples.points[self._held]
-        friction = (tool.friction or 0.0) if "friction" in scene.effects else 0.0
-        self.held_jobs = held_out_jobs(held, self.shape, ladder(self.depth_max), friction, TRUTH, self.seed)
-        near = held[:NEAR_CHECKS] if scene.accuracy.fidelity == "near_field" else []
-        self.near_jobs = [self._job(point, "near_field") for point in near]
+        self.held_jobs = self._held_out(held)
+        near = self.held_jobs[:NEAR_CHECKS] if scene.accuracy.fidelity == "near_field" else []
+        self.near_jobs = [PressJob(job.contact_point, job.tool, job.depths, "near_field") for job in near]
         self.failures: list[dict[str, Any]] = []
         self._checks: dict[PressJob, PressOutcome] = {}
 
@@ -113,6 +114,22 @@ class ToolWork:
         self._checks[outcome.job] = outcome
         self.rounds.arrived(outcome)
 
+    def more(self) -> list[PressJob]:
+        """Presses that what has arrived asks for."""
+        return self.rounds.more()
+
+    @property
+    def presses_at_most(self) -> int:
+        """Of nodes and of what judges."""
+        return self.most + len(self.held_jobs) + len(self.near_jobs)
+
+    @property
+    def _friction(self) -> float:
+        return (self.tool.friction or 0.0) if "friction" in self._scene.effects else 0.0
+
+    def _held_out(self, points: np.ndarray) -> list[PressJob]:
+        return held_out_jobs(points, self.shape, ladder(self.depth_max), self._friction, TRUTH, self.seed)
+
     def _job(self, point: np.ndarray, fidelity: str) -> PressJob:
         depths = tuple(map(float, ladder(self.depth_max)))
         return PressJob(tuple(map(float, point)), self.shape, depths, fidelity)
@@ -121,9 +138,20 @@ class ToolWork:
     def node_outcomes(self) -> list[PressOutcome]:
         return self.rounds.outcomes
 
-    def fit(self, geometry: ContactGeometry) -> Any:
-        scene = self._scene
-        provenance = {
+    def fit(self, geometry: ContactGeometry) -> ResponseField:
+        field, self.failures = field_of(
+            self._scene,
+            self.tool,
+            self._mesh,
+            self.samples,
+            geometry,
+            self.node_outcomes,
+            self._provenance(self._scene, self.tool),
+        )
+        return field
+
+    def _provenance(self, scene: Scene, tool: Tool) -> dict[str, Any]:
+        return {
             "scene": {
                 "hash": digest(scene.hash_inputs()),
                 "name": scene.name,
@@ -134,7 +162,7 @@ class ToolWork:
                 "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
                 "capsule": scene.organ.capsule
                 and scene.organ.capsule.model_dump(mode="json", exclude_none=True),
-                "tool": self.tool.model_dump(mode="json", exclude_none=True),
+                "tool": tool.model_dump(mode="json", exclude_none=True),
                 "accuracy": scene.accuracy.model_dump(mode="json", exclude_none=True),
             },
             "organ": self._mesh.hash,
@@ -148,26 +176,46 @@ class ToolWork:
             "seed": self.seed,
             "versions": versions(),
         }
-        field, self.failures = field_of(
-            scene, self.tool, self._mesh, self.samples, geometry, self.node_outcomes, provenance
-        )
-        return field
 
-    def validate(self, out: Path, rfield: str) -> dict[str, Any]:
-        from palpate.runtime import Field
+    def cook(self, out: Path, field: ResponseField) -> dict[str, Any]:
+        """Writes what the runtime reads; the tool's row of the summary."""
+        return {**cooked(out / f"{field.tool.name}.rfield", field), "nodes": field.nodes.node_count}
 
-        judged = judgement(
-            Field.open(rfield),
-            self.reference.offset,
-            [self._checks[job] for job in self.held_jobs],
-            [self._checks[job] for job in self.near_jobs],
-            self._scene.accuracy.force_tolerance,
-        )
-        judged = {"tool": self.tool.name, "seed": self.seed, **judged}
+    def validate(self, out: Path, field: ResponseField, row: dict[str, Any]) -> dict[str, Any]:
+        """Judges what `cook` wrote and said in `row`."""
+        judged = {"tool": self.tool.name, "seed": self.seed, **self._judged(field, row)}
         path = out / "validation" / f"{self.tool.name}.json"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(judged))
         return judged
+
+    def _judged(self, field: ResponseField, row: dict[str, Any]) -> dict[str, Any]:
+        from palpate.runtime import Field
+
+        return judgement(
+            Field.open(row["rfield"]),
+            field.tool.offset,
+            self._outcomes(self.held_jobs),
+            self._outcomes(self.near_jobs),
+            self._scene.accuracy.force_tolerance,
+        )
+
+    def _outcomes(self, jobs: Sequence[PressJob]) -> list[PressOutcome]:
+        return [self._checks[job] for job in jobs]
+
+
+def cooked(path: Path, field: ResponseField) -> dict[str, Any]:
+    """Writes `field` to `path`; what a summary says of it."""
+    from palpate.fields.cook import write_rfield
+
+    write_rfield(field, path)
+    size = path.stat().st_size
+    return {
+        "name": field.tool.name,
+        "rfield": str(path),
+        "bytes": size,
+        "representation": field.representation,
+    }
 
 
 def _refuse_jumping_heading(scene: Scene, tool: Tool, shape: ToolShape, samples: ReachSamples) -> None:

@@ -15,7 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from palpate.author.authored_tool import authored_tool
+from palpate.author.cook_asset import refuse_radius
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.family_work import family_judgement
 from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.place import Sphere
 from palpate.author.press_executor import fitting_workers, press_executor
@@ -23,7 +25,10 @@ from palpate.author.press_jobs import run_jobs
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import held_out_points
 from palpate.author.store import Store
+from palpate.author.tool_family import FamilyRadius, family_held_out, judged_radii
 from palpate.author.tool_work import TRUTH, ladder
+from palpate.fields.response_field import ResponseField
+from palpate.fields.tool_family import depth_between
 
 __all__ = ["validate"]
 
@@ -36,15 +41,18 @@ def validate(
     progress: Progress | None = None,
     within: Sphere | None = None,
     drag: int = 0,
+    radius: float | None = None,
 ) -> dict[str, Any]:
     """Held-out errors of one tool (the first when none is named) at freshly drawn points.
 
     Args:
         within: points are drawn there only.
         drag: presses after which the tool is dragged both ways as well (count).
+        radius: m, of a tool family; when None, pressed radii and radii between them in turn.
 
     Raises:
-        InputError: the asset has no such tool, was not made by `palpate author`, or has nothing to press `within`.
+        InputError: the asset has no such tool or radius, was not made by `palpate author`, or has nothing to press
+            `within`.
     """
     from palpate.fields.cook import cook
     from palpate.runtime import Field
@@ -52,6 +60,7 @@ def validate(
     progress = progress or SilentProgress()
     authored = authored_tool(asset, tool)
     field, samples, mesh = authored.field, authored.samples, authored.mesh
+    refuse_radius(asset, field, radius)
     if within:
         samples = replace(samples, allowed=samples.allowed & within.contains(samples.points))
         if not samples.allowed.any():
@@ -59,16 +68,13 @@ def validate(
             raise InputError(
                 InputProblem(str(asset), "--within", within, what, "a ball that meets the reach")
             )
-    chosen = held_out_points(samples, points, seed)
-    jobs = held_out_jobs(
-        samples.points[chosen],
-        authored.shape,
-        ladder(field.depth_max),
-        authored.friction,
-        TRUTH,
-        seed,
-        drag,
-    )
+    chosen = samples.points[held_out_points(samples, points, seed)]
+    radii = _judged(field, radius)
+    if radii:
+        jobs = family_held_out(chosen, radii, authored.friction, TRUTH, seed, drag)
+    else:
+        depths = ladder(field.depth_max)
+        jobs = held_out_jobs(chosen, authored.shape, depths, authored.friction, TRUTH, seed, drag)
     folder = asset if asset.is_dir() else asset.parent
     with tempfile.TemporaryDirectory() as scratch:
         work = folder / "work"
@@ -80,7 +86,10 @@ def validate(
         with press_executor(count, progress.say) as executor:
             outcomes = run_jobs(mesh, jobs, store, executor, lambda outcome: progress.advance())
     tolerance = float(authored.scene["accuracy"]["force_tolerance"])
-    judged = judgement(Field.open(cook(field)), field.tool.offset, outcomes, [], tolerance)
+    if radii:
+        judged = family_judgement(field, radii, outcomes, [], tolerance, samples.beyond(mesh))
+    else:
+        judged = judgement(Field.open(cook(field)), field.tool.offset, outcomes, [], tolerance)
     judged = {
         "tool": field.tool.name,
         "seed": seed,
@@ -88,9 +97,20 @@ def validate(
         **judged,
     }
     name = f"{field.tool.name}-seed{seed}-{points}"
+    if radius is not None:
+        name += f"-radius-{1e3 * radius:.6g}mm"
     if within:
         name += "-within-" + "_".join(f"{1e3 * x:.1f}" for x in (*within.center, within.radius)) + "mm"
     path = folder / "validation" / f"{name}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(judged))
     return {**judged, "record": str(path)}
+
+
+def _judged(field: ResponseField, radius: float | None) -> list[FamilyRadius]:
+    """Radii of a family that are judged in turn, `radius` (m) alone where given; none where the tool is no family."""
+    radii = [member.radius for member in field.family]
+    depths = [float(member.nodes.depth_knots[-1]) for member in field.family]
+    if radius is None or not radii:
+        return judged_radii(radii, depths) if radii else []
+    return [FamilyRadius(radius, depth_between(radii, depths, radius), radius in radii)]

@@ -22,6 +22,7 @@ def check_field(field: ResponseField) -> None:
     where = f"field {field.tool.name!r}"
     check_contact_geometry(field.geometry, where)
     _check_nodes(field.nodes, where)
+    _check_family(field, where)
     curves = (field.energy_curves, field.stiffness_curves, field.friction_curves)
     for name, group in zip(("energy_curves", "stiffness_curves", "friction_curves"), curves, strict=True):
         _check_curves(group, f"{where}: {name}")
@@ -85,6 +86,27 @@ def _check_nodes(nodes: ResponseNodes, where: str) -> None:
             raise FieldError(
                 f"{where}: {name}[{worst}] is {values[worst, 0].max():.3g} at depth 0; 0 is right"
             )
+
+
+def _check_family(field: ResponseField, where: str) -> None:
+    """The members' nodes are the field's, at rising radii, and the field's tool is one of them."""
+    if not field.family:
+        return
+    radii = [member.tool.parameters.get("radius", np.nan) for member in field.family]
+    if not (np.diff(radii) > 0).all() or len(radii) < 2:
+        raise FieldError(f"{where}: family has radii {radii} m; two or more, rising, are right")
+    if field.tool.hash not in [member.tool.hash for member in field.family]:
+        raise FieldError(f"{where}: no radius of the family is the field's own tool; one is right")
+    for member, radius in zip(field.family, radii, strict=True):
+        here = f"{where}: radius {1e3 * radius:.4g} mm"
+        _check_nodes(member.nodes, here)
+        if len(member.nodes.depth_knots) != len(field.nodes.depth_knots):
+            raise FieldError(
+                f"{here}: {len(member.nodes.depth_knots)} depth knots; "
+                f"{len(field.nodes.depth_knots)}, as at the field's own radius, is right"
+            )
+        if not np.array_equal(member.nodes.position, field.nodes.position):
+            raise FieldError(f"{here}: its nodes lie elsewhere; the field's own places are right")
 
 
 def _check_curves(curves: DepthCurves, where: str) -> None:

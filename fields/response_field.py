@@ -22,7 +22,14 @@ import numpy as np
 
 from palpate.fields.lattice import Lattice
 
-__all__ = ["ContactGeometry", "DepthCurves", "ResponseField", "ResponseNodes", "ToolReference"]
+__all__ = [
+    "ContactGeometry",
+    "DepthCurves",
+    "FamilyMember",
+    "ResponseField",
+    "ResponseNodes",
+    "ToolReference",
+]
 
 
 @dataclass(frozen=True)
@@ -121,6 +128,19 @@ class ResponseNodes:
 
 
 @dataclass(frozen=True)
+class FamilyMember:
+    """One pressed radius of a tool family: a tool, and its curves at the nodes that all members share."""
+
+    tool: ToolReference
+    nodes: ResponseNodes
+
+    @property
+    def radius(self) -> float:
+        """m."""
+        return self.tool.parameters["radius"]
+
+
+@dataclass(frozen=True)
 class DepthCurves:
     """R shared functions of depth on M uniform intervals [0, depth_end], piecewise cubic.
 
@@ -157,6 +177,8 @@ class ResponseField:
         depth_max: m; depth that presses were asked to reach.
         representation: residuals of the derived form at the nodes (fractions of the deepest force), by name.
         provenance: hashes of mesh, scene, supports, solver settings; versions; seed; errors.
+        family: all pressed radii, rising, where `tool` is one of a family (tool_family.py makes fields of any radius
+            between them); empty where it is not.
     """
 
     tool: ToolReference
@@ -169,3 +191,4 @@ class ResponseField:
     depth_max: float
     representation: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
+    family: tuple[FamilyMember, ...] = ()

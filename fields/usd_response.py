@@ -7,6 +7,7 @@
         SignedDistance            PalpateLatticeAPI
     Response                      PalpateFieldAPI
         Nodes                     Points with PalpateResponseAPI: the authored truth
+        Family                    of a tool family: the nodes under its other radii, PalpateFamilyMemberAPI too
         EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI
         Amplitudes                PalpateLatticeAPI
         Tool                      Sphere or Mesh (purpose guide), resting on the first node
@@ -16,6 +17,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from dataclasses import replace
 
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
@@ -26,6 +28,7 @@ from palpate.fields.lattice import BLOCK_EDGE, Lattice
 from palpate.fields.response_field import (
     ContactGeometry,
     DepthCurves,
+    FamilyMember,
     ResponseField,
     ResponseNodes,
     ToolReference,
@@ -98,7 +101,7 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
         "contact_hash": contact_hash(field.geometry),
     }
     author_schema(response, "PalpateFieldAPI", values)
-    _nodes(response, field.nodes)
+    _family(response, field, _nodes(response, "Nodes", field.nodes))
     for name, curves in _curve_groups(field).items():
         rows = {
             "depth_end": curves.depth_end,
@@ -147,10 +150,11 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
                 "author this tool again"
             )
     curves = {name: _read_curves(_child(response, name)) for name in _CURVES}
+    tool, nodes = _read_tool(response, values), _read_nodes(_child(response, "Nodes"))
     field = ResponseField(
-        tool=_read_tool(response, values),
+        tool=tool,
         geometry=contact_from_prim(root),
-        nodes=_read_nodes(_child(response, "Nodes")),
+        nodes=nodes,
         energy_curves=curves["EnergyCurves"],
         stiffness_curves=curves["StiffnessCurves"],
         friction_curves=curves["FrictionCurves"],
@@ -158,6 +162,7 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
         depth_max=values["depth_max"],
         representation=_pairs(response, values, "representation"),
         provenance=json.loads(values["provenance"]),
+        family=_read_family(response, tool, nodes),
     )
     check_field(field)
     return field
@@ -186,8 +191,8 @@ def _length(prim: Usd.Prim, name: str, found: int, right: int, why: str) -> None
         raise FieldError(f"{prim.GetPath()}: {name} has {found} values; {right}, {why}, is right")
 
 
-def _nodes(parent: Sdf.PrimSpec, nodes: ResponseNodes) -> None:
-    prim = child(parent, "Nodes", "Points")
+def _nodes(parent: Sdf.PrimSpec, name: str, nodes: ResponseNodes) -> Sdf.PrimSpec:
+    prim = child(parent, name, "Points")
     width = max(NODE_WIDTH_SHARE * float(np.linalg.norm(np.ptp(nodes.position, axis=0))), 1e-4)
     point_attributes(prim, nodes.position, width)
     author(prim, "widths", "float[]", np.full(nodes.node_count, width), interpolation="vertex")
@@ -198,6 +203,34 @@ def _nodes(parent: Sdf.PrimSpec, nodes: ResponseNodes) -> None:
     author(prim, "primvars:displayColor", "color3f[]", colour, interpolation="vertex")
     values = {name: getattr(nodes, name) for name in _NODE_MEMBERS}
     author_schema(prim, "PalpateResponseAPI", values, element_size=len(nodes.depth_knots))
+    return prim
+
+
+def _family(response: Sdf.PrimSpec, field: ResponseField, own: Sdf.PrimSpec) -> None:
+    """The other members' nodes; hidden from previews, where they would lie on the field's own."""
+    if not field.family:
+        return
+    parent = child(response, "Family", "Scope")
+    for i, member in enumerate(field.family):
+        prim = own
+        if member.tool.hash != field.tool.hash:
+            prim = _nodes(parent, f"Radius_{i}", member.nodes)
+            author(prim, "visibility", "token", "invisible")
+        values = {"radius": member.radius, "tool_hash": member.tool.hash}
+        author_schema(prim, "PalpateFamilyMemberAPI", values)
+
+
+def _read_family(response: Usd.Prim, tool: ToolReference, nodes: ResponseNodes) -> tuple[FamilyMember, ...]:
+    parent = response.GetChild("Family")
+    if not parent:
+        return ()
+    members = [FamilyMember(tool, nodes)]
+    for prim in parent.GetChildren():
+        values = schema_values(prim, "PalpateFamilyMemberAPI")
+        radius = values["radius"]
+        ball = replace(tool, offset=radius, parameters={"radius": radius}, hash=values["tool_hash"])
+        members.append(FamilyMember(ball, _read_nodes(prim)))
+    return tuple(sorted(members, key=lambda member: member.radius))
 
 
 _NODE_MEMBERS = (

@@ -7,10 +7,10 @@
 
 #include <cstdint>
 
+#include "cell.h"
 #include "depth_curves.h"
 #include "lattice.h"
 #include "rfield_layout.h"
-#include "stencil.h"
 
 namespace palpate {
 
@@ -21,23 +21,16 @@ struct amplitude_sums {
     double dz[rfield_channel_limit];
 };
 
-// The 3 x 3 x 3 counts under a point of the geometry lattice: with n = x->across[a] + y->across[b], m = x->column[a] + y->column[b], tap
-// (a, b, c) is number place + c of the eight that begin with the four at block[n] + m and end with those at block[n + 1] + m.
-struct geometry_taps {
-    stencil at;
-    const tap_steps *x, *y;
-    const std::int16_t* block[8];
-};
-
-// The same in the amplitude lattice, prepared further because each tap is read for itself: channel 0 of tap (a, b, c) is
+// Where the 3 x 3 x 3 amplitudes under a point are: channel 0 of tap (a, b, c) is
 //     line[x->across[a] + y->across[b] + c][x->column[a] + y->column[b]].
 struct amplitude_taps {
-    stencil at;
+    double t[4];  // of the point in its cell, by axis
     const tap_steps *x, *y;
     const float* line[16];  // by which of the four columns of blocks, and tap along z
 };
 
-constexpr double sums_per_count = 65536.0;
+// What `distance` gives its sums in: phi in 1/8 of 1/65536 counts, its derivatives per cell in 1/4.
+constexpr double value_sums_per_count = 8.0 * 65536.0, slope_sums_per_count = 4.0 * 65536.0;
 
 // sums over curves r of phi_r a_r and so on; gradients per cell
 struct response_sums {
@@ -47,16 +40,19 @@ struct response_sums {
 };
 
 struct contraction {
-    // Where the counts under q = (x, y, z) (m) are; false unless all 27 are stored.
-    bool (*gather_geometry)(const lattice& L, const std::int16_t* coefficients, double x, double y, double z,
-                            geometry_taps& taps) noexcept;
-    // phi in 1/65536 counts and its derivatives per cell, sums = (value, dx, dy, dz).
-    void (*geometry)(const geometry_taps& taps, double sums[4]) noexcept;
+    // phi and its derivatives at q = (x, y, z) (m), sums = (value, dx, dy, dz); false unless all 27 counts under q are stored.
+    bool (*distance)(const lattice& L, const std::int16_t* coefficients, double x, double y, double z, distance_cell& kept,
+                     double sums[4]) noexcept;
+    // Makes `kept` the cell of q.
+    void (*go_to)(const lattice& L, const float* coefficients, double x, double y, double z, std::int32_t channels, amplitude_cell& kept) noexcept;
+    // gather_amplitudes and amplitudes of way 0 in one, for a `kept` that was made q's.
+    bool (*amplitudes_in_cell)(const lattice& L, const float* coefficients, double x, double y, double z, std::int32_t gradient_channels,
+                               std::int32_t channels, const amplitude_cell& kept, amplitude_sums& sums) noexcept;
     // Where the coefficients under q are; absent ones are in row 0, which is all zero.  False where the whole stencil lies outside the
     // box.
     bool (*gather_amplitudes)(const lattice& L, const float* coefficients, double x, double y, double z,
                               amplitude_taps& taps) noexcept;
-    // The first `channels` amplitudes, and derivatives of the first `gradient_channels`, both multiples of 4; from channel `way` on.
+    // The first `channels` amplitudes (up to rfield_channel_limit), and derivatives of the first `gradient_channels`, both multiples of 4; from channel `way` on.
     void (*amplitudes)(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
                        amplitude_sums& sums) noexcept;
     // Curves at `depth` >= 0 (m) times amplitudes; those of kappa and mu have theirs after the energy's, one kind after the other.

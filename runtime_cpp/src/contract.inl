@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
-// Sums are separable; those over curves have a curve to each lane.  Geometry: lanes run along z (a column of a block is four int16); columns are summed along y, then
-// x, and the lanes last.  Amplitudes: lanes are channels; sums run along z, then y, then x, and value and derivatives
-// share them.
+// Sums are separable (cell.h); those over curves have a curve to each lane.  Distance: lanes run along z (a column of a block is four int16).
+// Amplitudes: lanes are channels; sums run along z, then y, then x, and value and derivatives share them.
 #include "contract.h"
 #include "lanes.h"
 #include "stencil.inl"
@@ -10,59 +9,70 @@
 namespace palpate {
 namespace PALPATE_ISA {
 
-inline quad sum3(const quad w[3], const quad& c0, const quad& c1, const quad& c2) noexcept {
-    return w[0] * c0 + w[1] * c1 + w[2] * c2;
-}
-
-static_assert(cut_scale == sums_per_count, "geometry sums");
-
-struct axis_weights {
-    quad w[3], d[3];
-    axis_weights(const stencil& at, int axis) noexcept
-        : w{all(at.w[0][axis]), all(at.w[1][axis]), all(at.w[2][axis])}, d{all(at.d[0][axis]), all(at.d[1][axis]), all(at.d[2][axis])} {}
-};
-
-bool gather_geometry(const lattice& L, const std::int16_t* coefficients, double x, double y, double z,
-                     geometry_taps& taps) noexcept {
-    const quad u = cell_coordinates(L, x, y, z);
-    if (!all_within(u, load(L.last))) return false;
-    stencil_at(u, taps.at);
-    taps.x = &steps_at(L, taps.at, 0);
-    taps.y = &steps_at(L, taps.at, 1);
-    const corners row(L, taps.at);
-    std::int64_t all_rows = 0;
+// ...into a cell: the distance's counts, times cut_scale.  False, and no cell, unless all 27 are stored.
+bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& kept) noexcept {
+    const corners row(L, kept.cell);
+    std::int64_t rows[8], all_rows = 0;
     PALPATE_UNROLL_8
-    for (int i = 0; i < 8; ++i) all_rows |= row[i];
-    if (all_rows < 0) return false;
+    for (int i = 0; i < 8; ++i) all_rows |= rows[i] = row[i];
+    if (all_rows < 0) {
+        kept.cell[0] = no_cell;
+        return false;
+    }
+    const std::int16_t* block[8];
     PALPATE_UNROLL_8
-    for (int i = 0; i < 8; ++i) taps.block[i] = coefficients + row[i] * 64;
+    for (int i = 0; i < 8; ++i) block[i] = coefficients + rows[i] * 64;
+    const tap_steps &x = steps_at(L, kept.cell, 0), &y = steps_at(L, kept.cell, 1);
+    const cutter cut(kept.cell[2] & 3);
+    quad c[3][3];  // A, B, C along y, by tap along x
+    PALPATE_UNROLL_3
+    for (int a = 0; a < 3; ++a) {
+        quad tap[3];
+        PALPATE_UNROLL_3
+        for (int b = 0; b < 3; ++b) {
+            const std::int16_t* const* along_z = block + x.across[a] + y.across[b];
+            const std::int64_t column = x.column[a] + y.column[b];
+            tap[b] = cut(along_z[0] + column, along_z[1] + column);
+        }
+        const forms f(tap[0], tap[1], tap[2]);
+        c[a][0] = f.A;
+        c[a][1] = f.B;
+        c[a][2] = f.C;
+    }
+    PALPATE_UNROLL_3
+    for (int j = 0; j < 3; ++j) {
+        const forms f(c[0][j], c[1][j], c[2][j]);
+        store(kept.along_z[j], f.A);
+        store(kept.along_z[3 + j], f.B);
+        store(kept.along_z[6 + j], f.C);
+    }
     return true;
 }
 
-void geometry(const geometry_taps& taps, double sums[4]) noexcept {
-    const stencil& at = taps.at;
-    const cutter cut(at.cell[2] & 3);
-    const axis_weights wx(at, 0), wy(at, 1);
+bool distance(const lattice& L, const std::int16_t* coefficients, double px, double py, double pz, distance_cell& kept, double sums[4]) noexcept {
+    const quad u = cell_coordinates(L, px, py, pz);
+    if (!all_within(u, load(L.last))) return false;
+    bool same;
+    const quad t = u - truncated(u, kept.cell, same);
+    if (!same && !enter(L, coefficients, kept)) return false;
+    const quad x = lane<0>(t), y = lane<1>(t);
     quad s[3], sy[3];
     PALPATE_UNROLL_3
-    for (int a = 0; a < 3; ++a) {
-        const std::int16_t* const* slab = taps.block + taps.x->across[a];
-        const std::int64_t in_slab = taps.x->column[a];
-        quad c[3];
-        PALPATE_UNROLL_3
-        for (int b = 0; b < 3; ++b) {
-            const std::int16_t* const* along_z = slab + taps.y->across[b];
-            const std::int64_t column = in_slab + taps.y->column[b];
-            c[b] = cut(along_z[0] + column, along_z[1] + column);
-        }
-        s[a] = sum3(wy.w, c[0], c[1], c[2]);
-        sy[a] = sum3(wy.d, c[0], c[1], c[2]);
+    for (int i = 0; i < 3; ++i) {
+        const double(*c)[4] = kept.along_z + 3 * i;
+        const value_slope along_y(load(c[0]), load(c[1]), load(c[2]), y);
+        s[i] = along_y.value;
+        sy[i] = along_y.slope;
     }
-    const quad value = sum3(wx.w, s[0], s[1], s[2]);
-    const quad dx = sum3(wx.d, s[0], s[1], s[2]);
-    const quad dy = sum3(wx.w, sy[0], sy[1], sy[2]);
-    const quad zw = three(at.w[0][2], at.w[1][2], at.w[2][2]), zd = three(at.d[0][2], at.d[1][2], at.d[2][2]);
-    store(sums, sums_of_three(zw * value, zw * dx, zw * dy, zd * value));
+    const value_slope along_x(s[0], s[1], s[2], x);
+    // (value, dx, dy, 0) of each tap along z; values are 4 times, derivatives twice what they should be.
+    quad tap[3];
+    taps_of(along_x.value, along_x.slope, twice_value(sy[0], sy[1], sy[2], x), tap);
+    const forms f(tap[0], tap[1], tap[2]);
+    const value_slope along_z(f.A, f.B, f.C, lane<2>(t));
+    store(sums, along_z.value);
+    sums[3] = first_lane(along_z.slope);
+    return true;
 }
 
 // Row of the block (bx, by, bz); the zero block beyond the box.
@@ -72,26 +82,11 @@ inline std::int64_t row_of(const lattice& L, std::uint32_t bx, std::uint32_t by,
     return inside ? L.index[bx * L.row_step[0] + by * L.row_step[1] + bz] : 0;
 }
 
-bool gather_amplitudes(const lattice& L, const float* coefficients, double x, double y, double z, amplitude_taps& taps) noexcept {
-    const quad u = cell_coordinates(L, x, y, z);
-    stencil& at = taps.at;
-    std::int64_t first[8];
-    if (all_within(u, load(L.last))) {
-        stencil_at(u, at);
-        const corners row(L, at);
-        PALPATE_UNROLL_8
-        for (int i = 0; i < 8; ++i) first[i] = row[i] * L.block_size;
-    } else {
-        if (!all_within(u + all(2.0), load(L.last) + all(4.0))) return false;
-        stencil_at(u + all(4.0), at);  // shifted by one block so that the cell index truncates towards minus infinity
-        for (unsigned i = 0; i < 8; ++i) {
-            first[i] = L.block_size * row_of(L, (at.cell[0] >> 2) - 1 + (i >> 2 & crosses(at, 0)), (at.cell[1] >> 2) - 1 + (i >> 1 & crosses(at, 1)),
-                                           (at.cell[2] >> 2) - 1 + (i & crosses(at, 2)));
-        }
-    }
-    taps.x = &steps_at(L, at, 0);
-    taps.y = &steps_at(L, at, 1);
-    const tap_steps& along_z = steps_at(L, at, 2);
+// Where the coefficients under the cell are, whose blocks begin at `first`.
+inline void lines_at(const lattice& L, const float* coefficients, const std::uint32_t cell[4], const std::int64_t first[8], amplitude_taps& taps) noexcept {
+    taps.x = &steps_at(L, cell, 0);
+    taps.y = &steps_at(L, cell, 1);
+    const tap_steps& along_z = steps_at(L, cell, 2);
     PALPATE_UNROLL_3
     for (int c = 0; c < 3; ++c) {
         const float* const place = coefficients + along_z.column[c];
@@ -101,55 +96,155 @@ bool gather_amplitudes(const lattice& L, const float* coefficients, double x, do
         taps.line[8 + c] = place + block[4];
         taps.line[12 + c] = place + block[6];
     }
+}
+
+inline void lines_inside(const lattice& L, const float* coefficients, const std::uint32_t cell[4], amplitude_taps& taps) noexcept {
+    std::int64_t first[8];
+    const corners row(L, cell);
+    PALPATE_UNROLL_8
+    for (int i = 0; i < 8; ++i) first[i] = row[i] * L.block_size;
+    lines_at(L, coefficients, cell, first, taps);
+}
+
+bool gather_amplitudes(const lattice& L, const float* coefficients, double x, double y, double z, amplitude_taps& taps) noexcept {
+    const quad u = cell_coordinates(L, x, y, z);
+    std::uint32_t cell[4];
+    if (all_within(u, load(L.last))) {
+        store(taps.t, u - truncated(u, cell));
+        lines_inside(L, coefficients, cell, taps);
+        return true;
+    }
+    if (!all_within(u + all(2.0), load(L.last) + all(4.0))) return false;
+    const quad shifted = u + all(4.0);  // by one block, so that the cell index truncates towards minus infinity
+    store(taps.t, shifted - truncated(shifted, cell));
+    std::int64_t first[8];
+    for (unsigned i = 0; i < 8; ++i) {
+        first[i] = L.block_size * row_of(L, (cell[0] >> 2) - 1 + (i >> 2 & crosses(cell, 0)), (cell[1] >> 2) - 1 + (i >> 1 & crosses(cell, 1)),
+                                       (cell[2] >> 2) - 1 + (i & crosses(cell, 2)));
+    }
+    lines_at(L, coefficients, cell, first, taps);
     return true;
 }
 
-// Four channels from `first` on.  Sums along z and y are kept for each slab of taps: running sums of four quads would not stay in
-// registers.
-template <bool with_gradient>
-inline void four_amplitudes(const amplitude_taps& taps, const axis_weights& x, const axis_weights& y, const axis_weights& z,
-                            std::int64_t first, double* value, double* dx, double* dy, double* dz) noexcept {
-    quad s[3], sy[3], sz[3];
+// A, B, C of four channels from `first` on.
+inline void enter(const amplitude_taps& taps, std::int64_t first, double kept[27][4]) noexcept {
     PALPATE_NO_UNROLL
     for (int a = 0; a < 3; ++a) {
         const float* const* slab = taps.line + taps.x->across[a];
         const std::int64_t in_slab = taps.x->column[a] + first;
-        quad v[3], vz[3];
+        double(*to)[4] = kept + 9 * a;
+        quad c[3][3];  // A, B, C along z, by tap along y
         PALPATE_UNROLL_3
         for (int b = 0; b < 3; ++b) {
             const float* const* line = slab + taps.y->across[b];
             const std::int64_t column = in_slab + taps.y->column[b];
-            const quad c0 = load(line[0] + column);
-            const quad c1 = load(line[1] + column);
-            const quad c2 = load(line[2] + column);
-            v[b] = sum3(z.w, c0, c1, c2);
-            if (with_gradient) vz[b] = sum3(z.d, c0, c1, c2);
+            const forms f(load(line[0] + column), load(line[1] + column), load(line[2] + column));
+            c[b][0] = f.A;
+            c[b][1] = f.B;
+            c[b][2] = f.C;
         }
-        s[a] = sum3(y.w, v[0], v[1], v[2]);
-        if (with_gradient) {
-            sy[a] = sum3(y.d, v[0], v[1], v[2]);
-            sz[a] = sum3(y.w, vz[0], vz[1], vz[2]);
+        PALPATE_UNROLL_3
+        for (int k = 0; k < 3; ++k) {
+            const forms f(c[0][k], c[1][k], c[2][k]);
+            store(to[k], f.A);
+            store(to[3 + k], f.B);
+            store(to[6 + k], f.C);
         }
     }
-    store(value, sum3(x.w, s[0], s[1], s[2]));
+}
+
+// Where in its cell a point is.
+struct place {
+    quad x, y, z;
+    explicit place(const quad& t) noexcept : x(lane<0>(t)), y(lane<1>(t)), z(lane<2>(t)) {}
+};
+
+inline void values_at(const double kept[27][4], const place& t, double* value) noexcept {
+    quad s[3];
+    PALPATE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+        quad v[3];
+        PALPATE_UNROLL_3
+        for (int j = 0; j < 3; ++j) {
+            const double(*c)[4] = kept + 9 * i + 3 * j;
+            v[j] = twice_value(load(c[0]), load(c[1]), load(c[2]), t.z);
+        }
+        s[i] = twice_value(v[0], v[1], v[2], t.y);
+    }
+    const forms f(s[0], s[1], s[2]);
+    store(value, all(0.125) * twice_value(f.A, f.B, f.C, t.x));
+}
+
+inline void gradients_at(const double kept[27][4], const place& t, double* value, double* dx, double* dy, double* dz) noexcept {
+    quad s[3], sy[3], sz[3];
+    PALPATE_UNROLL_3
+    for (int i = 0; i < 3; ++i) {
+        quad v[3], vz[3];
+        PALPATE_UNROLL_3
+        for (int j = 0; j < 3; ++j) {
+            const double(*c)[4] = kept + 9 * i + 3 * j;
+            const value_slope along_z(load(c[0]), load(c[1]), load(c[2]), t.z);
+            v[j] = along_z.value;
+            vz[j] = along_z.slope;
+        }
+        const value_slope along_y(v[0], v[1], v[2], t.y);
+        s[i] = along_y.value;
+        sy[i] = along_y.slope;
+        sz[i] = twice_value(vz[0], vz[1], vz[2], t.y);
+    }
+    const forms f(s[0], s[1], s[2]), fy(sy[0], sy[1], sy[2]), fz(sz[0], sz[1], sz[2]);
+    const value_slope along_x(f.A, f.B, f.C, t.x);
+    store(value, all(0.125) * along_x.value);
+    store(dx, all(0.25) * along_x.slope);
+    store(dy, all(0.25) * twice_value(fy.A, fy.B, fy.C, t.x));
+    store(dz, all(0.25) * twice_value(fz.A, fz.B, fz.C, t.x));
+}
+
+inline void four_amplitudes(const double kept[27][4], const place& t, bool with_gradient, std::int32_t first, amplitude_sums& sums) noexcept {
     if (with_gradient) {
-        store(dx, sum3(x.d, s[0], s[1], s[2]));
-        store(dy, sum3(x.w, sy[0], sy[1], sy[2]));
-        store(dz, sum3(x.w, sz[0], sz[1], sz[2]));
+        gradients_at(kept, t, sums.value + first, sums.dx + first, sums.dy + first, sums.dz + first);
+    } else {
+        values_at(kept, t, sums.value + first);
     }
 }
 
 void amplitudes(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
                 amplitude_sums& sums) noexcept {
-    const axis_weights x(taps.at, 0), y(taps.at, 1), z(taps.at, 2);
-    std::int64_t first = 0;
-    for (; first < gradient_channels; first += 4) {
-        four_amplitudes<true>(taps, x, y, z, way + first, sums.value + first, sums.dx + first, sums.dy + first, sums.dz + first);
+    const place t(load(taps.t));
+    for (std::int32_t first = 0; first < channels; first += 4) {
+        double four[27][4];
+        enter(taps, way + first, four);
+        four_amplitudes(four, t, first < gradient_channels, first, sums);
     }
-    for (; first < channels; first += 4) {
-        four_amplitudes<false>(taps, x, y, z, way + first, sums.value + first, nullptr, nullptr, nullptr);
+    store(sums.value + channels, all(0.0));
+}
+
+void go_to(const lattice& L, const float* coefficients, double px, double py, double pz, std::int32_t channels, amplitude_cell& kept) noexcept {
+    const quad u = cell_coordinates(L, px, py, pz);
+    kept.inside = channels <= kept_channels && all_within(u, load(L.last));
+    if (!kept.inside) return;
+    bool same;
+    store(kept.t, u - truncated(u, kept.cell, same));
+    if (same) return;
+    amplitude_taps taps;
+    lines_inside(L, coefficients, kept.cell, taps);
+    for (std::int32_t first = 0; first < channels; first += 4) enter(taps, first, kept.channels[first / 4]);
+}
+
+bool amplitudes_in_cell(const lattice& L, const float* coefficients, double px, double py, double pz, std::int32_t gradient_channels,
+                        std::int32_t channels, const amplitude_cell& kept, amplitude_sums& sums) noexcept {
+    if (!kept.inside) {
+        amplitude_taps taps;
+        if (!gather_amplitudes(L, coefficients, px, py, pz, taps)) return false;
+        amplitudes(taps, 0, gradient_channels, channels, sums);
+        return true;
     }
-    store(sums.value + first, all(0.0));
+    const place t(load(kept.t));
+    for (std::int32_t first = 0; first < channels; first += 4) {
+        four_amplitudes(kept.channels[first / 4], t, first < gradient_channels, first, sums);
+    }
+    store(sums.value + channels, all(0.0));
+    return true;
 }
 
 // The row of curves at some depth, and the depth from the row's start, m.

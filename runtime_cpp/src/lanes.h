@@ -32,6 +32,13 @@
 #define PALPATE_NO_UNROLL
 #endif
 
+// Memory that will be read soon.
+#if defined(__GNUC__)
+#define PALPATE_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PALPATE_PREFETCH(address) static_cast<void>(address)
+#endif
+
 namespace palpate {
 namespace PALPATE_ISA {
 
@@ -56,6 +63,17 @@ inline quad truncated(quad a, std::uint32_t whole[4]) noexcept {
     _mm_storeu_si128(reinterpret_cast<__m128i*>(whole), i);
     return {_mm256_cvtepi32_pd(i)};
 }
+// The same; `same` tells whether `whole` held these numbers before.
+inline quad truncated(quad a, std::uint32_t whole[4], bool& same) noexcept {
+    const __m128i i = _mm256_cvttpd_epi32(a.v);
+    auto* const at = reinterpret_cast<__m128i*>(whole);
+    same = _mm_movemask_epi8(_mm_cmpeq_epi32(i, _mm_loadu_si128(at))) == 0xFFFF;
+    _mm_storeu_si128(at, i);
+    return {_mm256_cvtepi32_pd(i)};
+}
+template <int i>
+inline quad lane(quad a) noexcept { return {_mm256_permute4x64_pd(a.v, i * 0x55)}; }
+inline double first_lane(quad a) noexcept { return _mm256_cvtsd_f64(a.v); }
 inline void store(double* to, quad a) noexcept { _mm256_storeu_pd(to, a.v); }
 inline quad load(const double* from) noexcept { return {_mm256_loadu_pd(from)}; }
 // Four floats from memory.
@@ -79,14 +97,12 @@ struct cutter {
     }
 };
 
-// (a0 + a1 + a2, b0 + b1 + b2, c0 + c1 + c2, d0 + d1 + d2), each from left to right; the fourth lanes are left out.
-inline quad sums_of_three(quad a, quad b, quad c, quad d) noexcept {
-    const __m256d ab_even = _mm256_unpacklo_pd(a.v, b.v), ab_odd = _mm256_unpackhi_pd(a.v, b.v);
-    const __m256d cd_even = _mm256_unpacklo_pd(c.v, d.v), cd_odd = _mm256_unpackhi_pd(c.v, d.v);
-    const __m256d first = _mm256_permute2f128_pd(ab_even, cd_even, 0x20);
-    const __m256d second = _mm256_permute2f128_pd(ab_odd, cd_odd, 0x20);
-    const __m256d third = _mm256_permute2f128_pd(ab_even, cd_even, 0x31);
-    return {_mm256_add_pd(_mm256_add_pd(first, second), third)};
+// taps[i] = (a_i, b_i, c_i, anything), i = 0, 1, 2
+inline void taps_of(quad a, quad b, quad c, quad taps[3]) noexcept {
+    const __m256d even = _mm256_unpacklo_pd(a.v, b.v), odd = _mm256_unpackhi_pd(a.v, b.v);  // a0 b0 a2 b2, a1 b1 a3 b3
+    taps[0] = {_mm256_permute2f128_pd(even, c.v, 0x20)};
+    taps[1] = {_mm256_permute2f128_pd(odd, _mm256_permute_pd(c.v, 0x5), 0x20)};
+    taps[2] = {_mm256_permute2f128_pd(even, c.v, 0x31)};
 }
 
 // ((a0 + a1) + (a2 + a3), the same of b, c, d)
@@ -135,6 +151,19 @@ inline quad truncated(const quad& a, std::uint32_t whole[4]) noexcept {
     const auto at = [whole](int i) { return static_cast<double>(whole[i]); };
     return {pair{at(0), at(1)}, pair{at(2), at(3)}};
 }
+inline quad truncated(const quad& a, std::uint32_t whole[4], bool& same) noexcept {
+    std::uint32_t now[4];
+    const quad rounded = truncated(a, now);
+    same = std::memcmp(now, whole, sizeof now) == 0;
+    std::memcpy(whole, now, sizeof now);
+    return rounded;
+}
+template <int i>
+inline quad lane(const quad& a) noexcept {
+    const pair& from = i < 2 ? a.low : a.high;
+    return all(from[i & 1]);
+}
+inline double first_lane(const quad& a) noexcept { return a.low[0]; }
 inline quad sums_of_four(const quad& a, const quad& b, const quad& c, const quad& d) noexcept {
     return {pair{(a.low[0] + a.low[1]) + (a.high[0] + a.high[1]), (b.low[0] + b.low[1]) + (b.high[0] + b.high[1])},
             pair{(c.low[0] + c.low[1]) + (c.high[0] + c.high[1]), (d.low[0] + d.low[1]) + (d.high[0] + d.high[1])}};
@@ -169,9 +198,10 @@ struct cutter {
     }
 };
 
-inline quad sums_of_three(const quad& a, const quad& b, const quad& c, const quad& d) noexcept {
-    return {pair{a.low[0] + a.low[1] + a.high[0], b.low[0] + b.low[1] + b.high[0]},
-            pair{c.low[0] + c.low[1] + c.high[0], d.low[0] + d.low[1] + d.high[0]}};
+inline void taps_of(const quad& a, const quad& b, const quad& c, quad taps[3]) noexcept {
+    taps[0] = {pair{a.low[0], b.low[0]}, pair{c.low[0], 0.0}};
+    taps[1] = {pair{a.low[1], b.low[1]}, pair{c.low[1], 0.0}};
+    taps[2] = {pair{a.high[0], b.high[0]}, pair{c.high[0], 0.0}};
 }
 
 #endif

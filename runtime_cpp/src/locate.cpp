@@ -63,22 +63,25 @@ palpate_region unknown_cell(const palpate_field& field, const double q[3]) noexc
 
 }  // namespace
 
-void locate(const palpate_field& field, const double q[3], location& found) noexcept {
+void locate(const palpate_field& field, const double q[3], distance_cell& kept, location& found) noexcept {
     const lattice& L = field.geometry;
-    geometry_taps taps;
-    if (!field.contract->gather_geometry(L, field.geometry_coefficients, q[0], q[1], q[2], taps)) {
+    double sums[4];
+    if (!field.contract->distance(L, field.geometry_coefficients, q[0], q[1], q[2], kept, sums)) {
         found.region = unknown_cell(field, q);
         found.depth = 0.0;
         found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
         return;
     }
-    double sums[4];
-    field.contract->geometry(taps, sums);
-    const double scale = field.geometry_scale * (1.0 / sums_per_count);
-    const double per_metre = scale * L.inverse_spacing;
-    found.depth = field.tool_offset - (field.geometry_bias + scale * sums[0]);
+    const double per_metre = field.geometry_scale * (1.0 / slope_sums_per_count) * L.inverse_spacing;
+    found.depth = field.tool_offset - (field.geometry_bias + field.geometry_scale * (1.0 / value_sums_per_count) * sums[0]);
     for (int a = 0; a < 3; ++a) found.gradient[a] = per_metre * sums[a + 1];
     found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
+}
+
+void locate(const palpate_field& field, const double q[3], location& found) noexcept {
+    distance_cell cell;
+    forget(cell.cell);
+    locate(field, q, cell, found);
 }
 
 void look_along(const palpate_field& field, const double from[3], const double to[3], const double* start_normal,
@@ -91,6 +94,8 @@ void look_along(const palpate_field& field, const double from[3], const double t
         seen.too_long = true;
         return;
     }
+    distance_cell kept;
+    forget(kept.cell);
     bool touching = start_normal != nullptr;
     if (touching) {
         for (int a = 0; a < 3; ++a) seen.normal[a] = start_normal[a];
@@ -100,7 +105,7 @@ void look_along(const palpate_field& field, const double from[3], const double t
         const double t = static_cast<double>(i) / static_cast<double>(count);
         const double q[3] = {from[0] + t * step[0], from[1] + t * step[1], from[2] + t * step[2]};
         location at;
-        locate(field, q, at);
+        locate(field, q, kept, at);
         const double* g = at.gradient;
         switch (at.region) {
             case PALPATE_REGION_CONTACT:

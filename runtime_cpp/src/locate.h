@@ -14,7 +14,8 @@ struct location {
     double gradient[3];  // grad phi, likewise
 };
 
-// Where q (m, |q| bounded by 1e6) is.
+// Where q (m, |q| bounded by 1e6) is; `kept` belongs to this field and gets the cell of q.
+void locate(const palpate_field& field, const double q[3], distance_cell& kept, location& found) noexcept;
 void locate(const palpate_field& field, const double q[3], location& found) noexcept;
 
 // What a straight stroke between two points meets, both ends excluded, looked at once each geometry spacing:

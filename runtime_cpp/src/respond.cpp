@@ -34,15 +34,18 @@ bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps)
     return field.contract->gather_amplitudes(field.amplitudes, field.amplitude_coefficients, q[0], q[1], q[2], taps);
 }
 
-void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
+void go_to(const palpate_field& field, const double q[3], amplitude_cell& kept) noexcept {
+    field.contract->go_to(field.amplitudes, field.amplitude_coefficients, q[0], q[1], q[2], field.channels, kept);
+}
+
+void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3], const amplitude_cell& kept,
              response& found, amplitude_sums& amplitudes) noexcept {
-    amplitude_taps taps;
-    if (!gather(field, q, taps)) {
+    if (!field.contract->amplitudes_in_cell(field.amplitudes, field.amplitude_coefficients, q[0], q[1], q[2], field.gradient_channels,
+                                            field.channels, kept, amplitudes)) {
         found = response{};
         amplitudes = amplitude_sums{};
         return;
     }
-    field.contract->amplitudes(taps, 0, field.gradient_channels, field.channels, amplitudes);
     combine(field, amplitudes, depth, distance_gradient, found);
 }
 

@@ -17,9 +17,12 @@ struct response {
     double friction_coefficient;  // mu >= 0
 };
 
+// Makes `kept`, which belongs to this field, the cell of q.
+void go_to(const palpate_field& field, const double q[3], amplitude_cell& kept) noexcept;
+
 // The response at q with depth >= 0 (m) and grad phi as `locate` found them, in the first way of touching; `amplitudes` are
-// those at q.
-void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
+// those at q, `kept` is the cell of q.
+void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3], const amplitude_cell& kept,
              response& found, amplitude_sums& amplitudes) noexcept;
 
 // Where the 27 coefficients under q are; false where the whole stencil lies outside the lattice: all amplitudes are zero.

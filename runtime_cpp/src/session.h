@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "cell.h"
 #include "friction.h"
 #include "guard.h"
 #include "organ.h"
@@ -42,9 +43,18 @@ struct palpate_session {
     double cosine;                                  // of tool axis and normal, within the field's ways; see ways.h
     double amplitude[palpate::rfield_channel_limit];  // that axial's stored energy is made of
     palpate::carriage organ;
+
+    palpate::distance_cell under_distance;      // of `field`; where the last tick was
+    palpate::amplitude_cell under_amplitudes;  // of `field`
 };
 
 namespace palpate {
+
+// No cell of a lattice is kept any more: the next one may be another field's.
+inline void forget_cells(palpate_session& session) noexcept {
+    forget(session.under_distance.cell);
+    forget(session.under_amplitudes.cell);
+}
 
 // State of a fresh session; keeps field and config.
 void begin(palpate_session& session) noexcept;

@@ -12,6 +12,7 @@
 
 #include "contact.h"
 #include "locate.h"
+#include "respond.h"
 #include "session.h"
 #include "vec.h"
 #include "ways.h"
@@ -79,7 +80,8 @@ std::uint32_t check_stroke(palpate_session& s, motion& m, const location& at) no
 
 // The field changes at m.q, where `at` becomes what the new one says; true when contact goes on.
 bool change_field(palpate_session& s, motion& m, location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
-    locate(*s.next_field, m.q, at);
+    forget_cells(s);
+    locate(*s.next_field, m.q, s.under_distance, at);
     tilt(*s.next_field, 1.0, m, at);
     if (at.region == PALPATE_REGION_CONTACT || at.region == PALPATE_REGION_FREE) {  // only the new way counts
         at.depth -= m.shift;
@@ -114,6 +116,7 @@ void begin(palpate_session& s) noexcept {
     s.organ = carriage{};
     s.organ.source = source;
     s.organ.used = source != nullptr;
+    forget_cells(s);
 }
 
 std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) noexcept {
@@ -143,8 +146,10 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     if (state.dt > s.config.dt_max) status |= PALPATE_TICK_STALE;
     if ((state.flags & PALPATE_INPUT_RELEASE) != 0) status |= PALPATE_TICK_RELEASED;
 
+    m.in_cell = s.touching;
+    if (m.in_cell) go_to(*s.field, m.q, s.under_amplitudes);
     location at;
-    locate(*s.field, m.q, at);
+    locate(*s.field, m.q, s.under_distance, at);
     m.cosine = s.cosine;
     m.shift_before = m.shift = 0.0;
     if (s.field->way_count > 1 || s.next_field != nullptr) {

@@ -12,7 +12,11 @@
 #include "lattice.h"
 #include "rfield_layout.h"
 
+struct palpate_field;
+
 namespace palpate {
+
+struct response;
 
 struct amplitude_sums {
     double value[rfield_channel_limit + 4];  // four zeros after the last channel, so that any channel begins a quad
@@ -32,17 +36,9 @@ struct amplitude_taps {
 // What `distance` gives its sums in: phi in 1/8 of 1/65536 counts, its derivatives per cell in 1/4.
 constexpr double value_sums_per_count = 8.0 * 65536.0, slope_sums_per_count = 4.0 * 65536.0;
 
-// sums over curves r of phi_r a_r and so on; gradients per cell
-struct response_sums {
-    double energy, steepness, stiffness;   // phi_r a_r, phi_r' a_r, phi_r'' a_r
-    double gx, gy, gz;                     // phi_r da_r
-    double friction_stiffness, friction_coefficient;  // kappa_r b_r, mu_r m_r
-};
-
 struct contraction {
-    // phi and its derivatives at q = (x, y, z) (m), sums = (value, dx, dy, dz); false unless all 27 counts under q are stored.
-    bool (*distance)(const lattice& L, const std::int16_t* coefficients, double x, double y, double z, distance_cell& kept,
-                     double sums[4]) noexcept;
+    // Depth (m) and grad phi at q = (x, y, z) (m); false unless all 27 counts under q are stored.
+    bool (*distance)(const palpate_field& field, double x, double y, double z, distance_cell& kept, double depth_and_gradient[4]) noexcept;
     // Makes `kept` the cell of q.
     void (*go_to)(const lattice& L, const float* coefficients, double x, double y, double z, std::int32_t channels, amplitude_cell& kept) noexcept;
     // gather_amplitudes and amplitudes of way 0 in one, for a `kept` that was made q's.
@@ -55,9 +51,9 @@ struct contraction {
     // The first `channels` amplitudes (up to rfield_channel_limit), and derivatives of the first `gradient_channels`, both multiples of 4; from channel `way` on.
     void (*amplitudes)(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
                        amplitude_sums& sums) noexcept;
-    // Curves at `depth` >= 0 (m) times amplitudes; those of kappa and mu have theirs after the energy's, one kind after the other.
-    void (*curves)(const depth_curves& energy, const depth_curves& stiffness, const depth_curves& friction, double depth,
-                   const amplitude_sums& a, response_sums& sums) noexcept;
+    // The response at a depth (m, >= 0) and grad phi, from the amplitudes there.
+    void (*response_from)(const palpate_field& field, const amplitude_sums& amplitudes, double depth, const double distance_gradient[3],
+                          response& found) noexcept;
 };
 
 extern const contraction contraction_baseline;

@@ -3,7 +3,9 @@
 // Sums are separable (cell.h); those over curves have a curve to each lane.  Distance: lanes run along z (a column of a block is four int16).
 // Amplitudes: lanes are channels; sums run along z, then y, then x, and value and derivatives share them.
 #include "contract.h"
+#include "field.h"
 #include "lanes.h"
+#include "respond.h"
 #include "stencil.inl"
 
 namespace palpate {
@@ -49,12 +51,13 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
     return true;
 }
 
-bool distance(const lattice& L, const std::int16_t* coefficients, double px, double py, double pz, distance_cell& kept, double sums[4]) noexcept {
+bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept, double depth_and_gradient[4]) noexcept {
+    const lattice& L = field.geometry;
     const quad u = cell_coordinates(L, px, py, pz);
     if (!all_within(u, load(L.last))) return false;
     bool same;
     const quad t = u - truncated(u, kept.cell, same);
-    if (!same && !enter(L, coefficients, kept)) return false;
+    if (!same && !enter(L, field.geometry_coefficients, kept)) return false;
     const quad x = lane<0>(t), y = lane<1>(t);
     quad s[3], sy[3];
     PALPATE_UNROLL_3
@@ -70,8 +73,8 @@ bool distance(const lattice& L, const std::int16_t* coefficients, double px, dou
     taps_of(along_x.value, along_x.slope, twice_value(sy[0], sy[1], sy[2], x), tap);
     const forms f(tap[0], tap[1], tap[2]);
     const value_slope along_z(f.A, f.B, f.C, lane<2>(t));
-    store(sums, along_z.value);
-    sums[3] = first_lane(along_z.slope);
+    const quad sums = with_fourth(along_z.value, along_z.slope);
+    store(depth_and_gradient, load(field.distance_scale) * sums + load(field.distance_shift));
     return true;
 }
 
@@ -251,66 +254,76 @@ bool amplitudes_in_cell(const lattice& L, const float* coefficients, double px, 
 struct curve_row {
     const double* c;
     double x;
-    std::int64_t padded;
-    curve_row(const depth_curves& curves, double depth) noexcept : padded(curves.padded) {
-        const double t = depth * curves.inverse_step;
-        if (t < curves.interval_count) {
+    curve_row(const curve_set& set, std::int64_t padded, double depth) noexcept {
+        const double t = depth * set.inverse_step;
+        if (t < set.interval_count) {
             const auto m = static_cast<std::int32_t>(t);
-            c = curves.rows + m * (4 * padded);
-            x = depth - static_cast<double>(m) * curves.step;
+            c = set.rows + m * (4 * padded);
+            x = depth - static_cast<double>(m) * set.step;
         } else {
-            c = curves.rows + curves.last_row * (4 * padded);
-            x = depth - curves.depth_end;
+            c = set.rows + set.last_row * (4 * padded);
+            x = depth - set.depth_end;
         }
     }
 };
 
-// Curves are summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
-inline quad value_of(const quad c[4], const quad& x, const quad& x2) noexcept { return (c[0] + c[1] * x) + x2 * (c[2] + c[3] * x); }
+// Sums over curves r in four lanes each: phi_r a_r and so on, kappa_r b_r, mu_r m_r.
+struct curve_sums {
+    quad energy, gx, gy, gz, steepness, stiffness, friction_stiffness, friction_coefficient;
+};
 
-inline void load_curves(const curve_row& row, std::int64_t first, quad c[4]) noexcept {
-    const double* at = row.c + first;
-    c[0] = load(at);
-    c[1] = load(at + row.padded);
-    c[2] = load(at + 2 * row.padded);
-    c[3] = load(at + 3 * row.padded);
+// Four channels.  Curves are summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
+inline curve_sums four_curves(const depth_curves& curves, const double* c, double depth, const amplitude_sums& a, std::int64_t first, bool with_gradient) noexcept {
+    const std::int64_t padded = curves.padded;
+    const quad x = all(depth), x2 = all(depth * depth);
+    const quad c0 = load(c), c1 = load(c + padded), c2 = load(c + 2 * padded), c3 = load(c + 3 * padded);
+    const quad phi = (c0 + c1 * x) + x2 * (c2 + c3 * x);
+    const quad amplitude = load(a.value + first), felt = phi * amplitude;
+    curve_sums sums;
+    sums.friction_stiffness = felt * load(curves.of_stiffness + first);
+    sums.friction_coefficient = felt * load(curves.of_friction + first);
+    if (with_gradient) {
+        const quad of_energy = load(curves.of_energy + first), energy_amplitude = amplitude * of_energy, energy_phi = phi * of_energy;
+        const quad twice = c2 + c2, three_c3_x = all(3.0 * depth) * c3;
+        sums.energy = felt * of_energy;
+        sums.steepness = ((c1 + twice * x) + x * three_c3_x) * energy_amplitude;
+        sums.stiffness = (twice + (three_c3_x + three_c3_x)) * energy_amplitude;
+        sums.gx = energy_phi * load(a.dx + first);
+        sums.gy = energy_phi * load(a.dy + first);
+        sums.gz = energy_phi * load(a.dz + first);
+    }
+    return sums;
 }
 
-inline quad weighted(const curve_row& row, const double* amplitude) noexcept {
-    const quad x = all(row.x), x2 = all(row.x * row.x);
-    quad sum = all(0.0);
-    for (std::int64_t first = 0; first < row.padded; first += 4) {
-        quad c[4];
-        load_curves(row, first, c);
-        sum = sum + value_of(c, x, x2) * load(amplitude + first);
+void response_from(const palpate_field& field, const amplitude_sums& a, double depth, const double distance_gradient[3], response& found) noexcept {
+    const depth_curves& curves = field.curves;
+    const curve_row row(curves.sets[0], curves.padded, depth);
+    curve_sums s = four_curves(curves, row.c, row.x, a, 0, true);
+    const auto add = [&](const double* c, double x, std::int64_t first) {
+        const bool with_gradient = first < field.gradient_channels;
+        const curve_sums more = four_curves(curves, c, x, a, first, with_gradient);
+        s.friction_stiffness = s.friction_stiffness + more.friction_stiffness;
+        s.friction_coefficient = s.friction_coefficient + more.friction_coefficient;
+        if (!with_gradient) return;
+        s.energy = s.energy + more.energy;
+        s.steepness = s.steepness + more.steepness;
+        s.stiffness = s.stiffness + more.stiffness;
+        s.gx = s.gx + more.gx;
+        s.gy = s.gy + more.gy;
+        s.gz = s.gz + more.gz;
+    };
+    for (std::int64_t first = 4; first < curves.padded; first += 4) add(row.c + first, row.x, first);
+    for (std::int32_t i = 1; i < curves.set_count; ++i) {
+        const curve_row other(curves.sets[i], curves.padded, depth);
+        for (std::int64_t first = 0; first < curves.padded; first += 4) add(other.c + first, other.x, first);
     }
-    return sum;
-}
-
-void curves(const depth_curves& energies, const depth_curves& stiffnesses, const depth_curves& frictions, double depth,
-            const amplitude_sums& a, response_sums& sums) noexcept {
-    const curve_row energy(energies, depth), stiffness(stiffnesses, depth), friction(frictions, depth);
-    const double* const stiffness_amplitude = a.value + energies.curve_count;
-    const double* const friction_amplitude = stiffness_amplitude + stiffnesses.curve_count;
-    const quad x = all(energy.x), x2 = all(energy.x * energy.x), two = all(2.0), three_x2 = all(3.0 * (energy.x * energy.x)),
-               six_x = all(6.0 * energy.x);
-    quad value = all(0.0), steep = all(0.0), stiff = all(0.0), gx = all(0.0), gy = all(0.0), gz = all(0.0);
-    for (std::int64_t first = 0; first < energy.padded; first += 4) {
-        quad c[4];
-        load_curves(energy, first, c);
-        const quad amplitude = load(a.value + first), twice = two * c[2];
-        const quad phi = value_of(c, x, x2);
-        value = value + phi * amplitude;
-        steep = steep + ((c[1] + twice * x) + three_x2 * c[3]) * amplitude;
-        stiff = stiff + (twice + six_x * c[3]) * amplitude;
-        gx = gx + phi * load(a.dx + first);
-        gy = gy + phi * load(a.dy + first);
-        gz = gz + phi * load(a.dz + first);
-    }
-    static_assert(sizeof(response_sums) == 8 * sizeof(double), "stored as two quads");
-    double* out = &sums.energy;
-    store(out, sums_of_four(value, steep, stiff, gx));
-    store(out + 4, sums_of_four(gy, gz, weighted(stiffness, stiffness_amplitude), weighted(friction, friction_amplitude)));
+    // grad U = sums per cell, in metres, - dU/dd grad phi;  k and mu are never negative.
+    const quad rest = sums_of_four(s.steepness, s.stiffness, s.friction_stiffness, s.friction_coefficient);
+    const quad along_depth = lane<0>(rest) * four(0.0, distance_gradient[0], distance_gradient[1], distance_gradient[2]);
+    static_assert(sizeof(response) == 8 * sizeof(double), "stored as two quads");
+    double* const out = &found.energy;
+    store(out, load(field.response_scale) * sums_of_four(s.energy, s.gx, s.gy, s.gz) - along_depth);
+    store(out + 4, larger(rest, four(lowest, lowest, 0.0, 0.0)));
 }
 
 }  // namespace PALPATE_ISA

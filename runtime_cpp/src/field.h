@@ -27,9 +27,10 @@ struct palpate_field {
     std::int32_t gradient_channels;  // the first ones, which hold the energy's and need gradients; likewise
     const palpate::contraction* contract;  // for this processor
 
-    palpate::depth_curves energy;
-    palpate::depth_curves stiffness;
-    palpate::depth_curves friction;
+    palpate::depth_curves curves;
+
+    // (depth, grad phi) = distance_scale * (sums of the distance) + distance_shift; (U, grad U at fixed depth) = response_scale * (sums)
+    double distance_scale[4], distance_shift[4], response_scale[4];
 
     double tool_offset;  // m; the largest of the ways
     double depth_max;    // m
@@ -38,7 +39,7 @@ struct palpate_field {
     const char* provenance;
     std::uint64_t provenance_size;
     void* owned;   // the file's bytes, to free; or null when used in place
-    double* curves;  // the rows of the three kinds of curves, to free
+    double* curve_rows;  // to free
 };
 
 #endif

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #if defined(__AVX2__)
 #include <immintrin.h>
@@ -32,15 +33,10 @@
 #define PALPATE_NO_UNROLL
 #endif
 
-// Memory that will be read soon.
-#if defined(__GNUC__)
-#define PALPATE_PREFETCH(address) __builtin_prefetch(address)
-#else
-#define PALPATE_PREFETCH(address) static_cast<void>(address)
-#endif
-
 namespace palpate {
 namespace PALPATE_ISA {
+
+constexpr double lowest = -std::numeric_limits<double>::max();
 
 #if defined(__AVX2__)
 
@@ -49,6 +45,11 @@ struct quad {
 };
 inline quad all(double x) noexcept { return {_mm256_set1_pd(x)}; }
 inline quad three(double a, double b, double c) noexcept { return {_mm256_set_pd(0.0, c, b, a)}; }
+inline quad four(double a, double b, double c, double d) noexcept { return {_mm256_set_pd(d, c, b, a)}; }
+// a > b ? a : b
+inline quad larger(quad a, quad b) noexcept { return {_mm256_max_pd(a.v, b.v)}; }
+// (a0, a1, a2, b0)
+inline quad with_fourth(quad a, quad b) noexcept { return {_mm256_blend_pd(a.v, _mm256_permute4x64_pd(b.v, 0), 8)}; }
 inline quad operator+(quad a, quad b) noexcept { return {_mm256_add_pd(a.v, b.v)}; }
 inline quad operator-(quad a, quad b) noexcept { return {_mm256_sub_pd(a.v, b.v)}; }
 inline quad operator*(quad a, quad b) noexcept { return {_mm256_mul_pd(a.v, b.v)}; }
@@ -73,7 +74,6 @@ inline quad truncated(quad a, std::uint32_t whole[4], bool& same) noexcept {
 }
 template <int i>
 inline quad lane(quad a) noexcept { return {_mm256_permute4x64_pd(a.v, i * 0x55)}; }
-inline double first_lane(quad a) noexcept { return _mm256_cvtsd_f64(a.v); }
 inline void store(double* to, quad a) noexcept { _mm256_storeu_pd(to, a.v); }
 inline quad load(const double* from) noexcept { return {_mm256_loadu_pd(from)}; }
 // Four floats from memory.
@@ -107,8 +107,8 @@ inline void taps_of(quad a, quad b, quad c, quad taps[3]) noexcept {
 
 // ((a0 + a1) + (a2 + a3), the same of b, c, d)
 inline quad sums_of_four(quad a, quad b, quad c, quad d) noexcept {
-    const __m256d ab = _mm256_hadd_pd(a.v, b.v);  // a0 + a1, b0 + b1, a2 + a3, b2 + b3
-    const __m256d cd = _mm256_hadd_pd(c.v, d.v);
+    const __m256d ab = _mm256_add_pd(_mm256_unpacklo_pd(a.v, b.v), _mm256_unpackhi_pd(a.v, b.v));  // a0 + a1, b0 + b1, a2 + a3, b2 + b3
+    const __m256d cd = _mm256_add_pd(_mm256_unpacklo_pd(c.v, d.v), _mm256_unpackhi_pd(c.v, d.v));
     return {_mm256_add_pd(_mm256_permute2f128_pd(ab, cd, 0x20), _mm256_permute2f128_pd(ab, cd, 0x31))};
 }
 
@@ -131,6 +131,12 @@ struct quad {
 };
 inline quad all(double x) noexcept { return {pair{x, x}, pair{x, x}}; }
 inline quad three(double a, double b, double c) noexcept { return {pair{a, b}, pair{c, 0.0}}; }
+inline quad four(double a, double b, double c, double d) noexcept { return {pair{a, b}, pair{c, d}}; }
+inline quad larger(const quad& a, const quad& b) noexcept {
+    const auto of = [](double x, double y) { return x > y ? x : y; };
+    return {pair{of(a.low[0], b.low[0]), of(a.low[1], b.low[1])}, pair{of(a.high[0], b.high[0]), of(a.high[1], b.high[1])}};
+}
+inline quad with_fourth(const quad& a, const quad& b) noexcept { return {a.low, pair{a.high[0], b.low[0]}}; }
 inline quad operator+(const quad& a, const quad& b) noexcept { return {a.low + b.low, a.high + b.high}; }
 inline quad operator-(const quad& a, const quad& b) noexcept { return {a.low - b.low, a.high - b.high}; }
 inline quad operator*(const quad& a, const quad& b) noexcept { return {a.low * b.low, a.high * b.high}; }
@@ -163,7 +169,6 @@ inline quad lane(const quad& a) noexcept {
     const pair& from = i < 2 ? a.low : a.high;
     return all(from[i & 1]);
 }
-inline double first_lane(const quad& a) noexcept { return a.low[0]; }
 inline quad sums_of_four(const quad& a, const quad& b, const quad& c, const quad& d) noexcept {
     return {pair{(a.low[0] + a.low[1]) + (a.high[0] + a.high[1]), (b.low[0] + b.low[1]) + (b.high[0] + b.high[1])},
             pair{(c.low[0] + c.low[1]) + (c.high[0] + c.high[1]), (d.low[0] + d.low[1]) + (d.high[0] + d.high[1])}};

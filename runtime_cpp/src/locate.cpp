@@ -18,6 +18,8 @@
 namespace palpate {
 namespace {
 
+static_assert(sizeof(location) == 5 * sizeof(double), "depth and gradient in a row");
+
 constexpr std::int32_t absent_outside = -1;
 constexpr std::int32_t absent_inside = -2;
 
@@ -64,17 +66,12 @@ palpate_region unknown_cell(const palpate_field& field, const double q[3]) noexc
 }  // namespace
 
 void locate(const palpate_field& field, const double q[3], distance_cell& kept, location& found) noexcept {
-    const lattice& L = field.geometry;
-    double sums[4];
-    if (!field.contract->distance(L, field.geometry_coefficients, q[0], q[1], q[2], kept, sums)) {
+    if (!field.contract->distance(field, q[0], q[1], q[2], kept, &found.depth)) {
         found.region = unknown_cell(field, q);
         found.depth = 0.0;
         found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
         return;
     }
-    const double per_metre = field.geometry_scale * (1.0 / slope_sums_per_count) * L.inverse_spacing;
-    found.depth = field.tool_offset - (field.geometry_bias + field.geometry_scale * (1.0 / value_sums_per_count) * sums[0]);
-    for (int a = 0; a < 3; ++a) found.gradient[a] = per_metre * sums[a + 1];
     found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
 }
 

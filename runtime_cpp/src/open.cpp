@@ -18,22 +18,15 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<floa
 
 constexpr long file_size_limit = 0x7FFFFFFF;     // bytes; a folder claims more on Linux
 
-// From the file's rows (intervals + 1) x curves x 4 into `to`, in the order of curve_row; `to` moves to its end.
-void set_curves(depth_curves& c, double depth_end, std::uint32_t intervals, std::uint32_t curves, const double* rows, double*& to) noexcept {
-    c.depth_end = depth_end;
-    c.interval_count = static_cast<double>(intervals);
-    c.step = depth_end / c.interval_count;
-    c.inverse_step = c.interval_count / depth_end;
-    c.last_row = static_cast<std::int32_t>(intervals);
-    c.curve_count = static_cast<std::int32_t>(curves);
-    c.padded = (c.curve_count + 3) / 4 * 4;
-    c.rows = to;
-    for (std::uint32_t row = 0; row <= intervals; ++row) {
-        for (int j = 0; j < 4; ++j) {
-            for (std::uint32_t r = 0; r < curves; ++r) to[r] = rows[4 * (static_cast<std::size_t>(row) * curves + r) + static_cast<std::size_t>(j)];
-            for (auto r = static_cast<std::int64_t>(curves); r < c.padded; ++r) to[r] = 0.0;
-            to += c.padded;
-        }
+// Depth and gradient of the distance from its sums; the response's gradient from sums per cell.
+void set_scales(palpate_field& field) noexcept {
+    field.distance_scale[0] = -field.header.geometry_scale / value_sums_per_count;
+    field.distance_shift[0] = field.header.tool_offset - field.header.geometry_bias;
+    field.response_scale[0] = 1.0;
+    for (int a = 1; a < 4; ++a) {
+        field.distance_scale[a] = field.header.geometry_scale / slope_sums_per_count * field.geometry.inverse_spacing;
+        field.distance_shift[a] = 0.0;
+        field.response_scale[a] = field.amplitudes.inverse_spacing;
     }
 }
 
@@ -77,17 +70,13 @@ bool prove(const unsigned char* data, std::size_t size, palpate_field& field, re
     field.channels = static_cast<std::int32_t>((channels + 3) / 4 * 4);
     field.gradient_channels = static_cast<std::int32_t>((h.energy_curve_count + 3) / 4 * 4);
     field.contract = &contraction_here();
-    const auto room = [](std::uint32_t intervals, std::uint32_t curves) {
-        return 4ull * (intervals + 1ull) * ((curves + 3ull) / 4ull * 4ull);
-    };
-    const std::uint64_t numbers = room(h.energy_intervals, h.energy_curve_count) + room(h.stiffness_intervals, h.stiffness_curve_count) +
-                                  room(h.friction_intervals, h.friction_curve_count);
-    field.curves = static_cast<double*>(std::malloc(numbers * sizeof(double)));
-    if (field.curves == nullptr) return refuse(why, PALPATE_OUT_OF_MEMORY, "There is no memory for the curves.");
-    double* to = field.curves;
-    set_curves(field.energy, h.energy_depth_end, h.energy_intervals, h.energy_curve_count, energy, to);
-    set_curves(field.stiffness, h.stiffness_depth_end, h.stiffness_intervals, h.stiffness_curve_count, stiffness, to);
-    set_curves(field.friction, h.friction_depth_end, h.friction_intervals, h.friction_curve_count, friction, to);
+    const stored_curves kinds[3] = {{h.energy_depth_end, h.energy_intervals, h.energy_curve_count, energy},
+                                    {h.stiffness_depth_end, h.stiffness_intervals, h.stiffness_curve_count, stiffness},
+                                    {h.friction_depth_end, h.friction_intervals, h.friction_curve_count, friction}};
+    field.curve_rows = static_cast<double*>(std::malloc(static_cast<std::size_t>(curve_numbers(kinds)) * sizeof(double)));
+    if (field.curve_rows == nullptr) return refuse(why, PALPATE_OUT_OF_MEMORY, "There is no memory for the curves.");
+    set_curves(field.curves, kinds, field.curve_rows);
+    set_scales(field);
     field.tool_offset = h.tool_offset;
     field.depth_max = h.depth_max;
     field.provenance = section<char>(data, h, section_provenance);
@@ -121,7 +110,7 @@ palpate_status open_aligned(const unsigned char* data, std::size_t size, void* o
         good = prove(data, size, *field, why);
     }
     if (!good) {
-        if (field != nullptr) std::free(field->curves);
+        if (field != nullptr) std::free(field->curve_rows);
         std::free(field);
         std::free(owned);
         tell(message, message_size, why.sentence);
@@ -194,7 +183,7 @@ palpate_status palpate_field_open_file(const char* path, palpate_field** field, 
 
 void palpate_field_close(palpate_field* field) noexcept {
     if (field == nullptr) return;
-    std::free(field->curves);
+    std::free(field->curve_rows);
     std::free(field->owned);
     std::free(field);
 }

@@ -11,25 +11,6 @@
 #include "contract.h"
 
 namespace palpate {
-namespace {
-
-inline void combine(const palpate_field& field, const amplitude_sums& a, double depth, const double distance_gradient[3],
-                    response& found) noexcept {
-    response_sums sums;
-    field.contract->curves(field.energy, field.stiffness, field.friction, depth, a, sums);
-    const double per_metre = field.amplitudes.inverse_spacing;
-    found.energy = sums.energy;
-    found.gradient[0] = sums.gx * per_metre - sums.steepness * distance_gradient[0];
-    found.gradient[1] = sums.gy * per_metre - sums.steepness * distance_gradient[1];
-    found.gradient[2] = sums.gz * per_metre - sums.steepness * distance_gradient[2];
-    found.steepness = sums.steepness;
-    found.stiffness = sums.stiffness;
-    found.friction_stiffness = sums.friction_stiffness > 0.0 ? sums.friction_stiffness : 0.0;
-    found.friction_coefficient = sums.friction_coefficient > 0.0 ? sums.friction_coefficient : 0.0;
-}
-
-}  // namespace
-
 bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
     return field.contract->gather_amplitudes(field.amplitudes, field.amplitude_coefficients, q[0], q[1], q[2], taps);
 }
@@ -46,12 +27,12 @@ void respond(const palpate_field& field, const double q[3], double depth, const 
         amplitudes = amplitude_sums{};
         return;
     }
-    combine(field, amplitudes, depth, distance_gradient, found);
+    field.contract->response_from(field, amplitudes, depth, distance_gradient, found);
 }
 
 void respond_again(const palpate_field& field, const amplitude_sums& amplitudes, double depth,
                     const double distance_gradient[3], response& found) noexcept {
-    combine(field, amplitudes, depth, distance_gradient, found);
+    field.contract->response_from(field, amplitudes, depth, distance_gradient, found);
 }
 
 }  // namespace palpate

@@ -47,20 +47,20 @@ struct outcome {
     bool slipped;
 };
 
-inline void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3], outcome& o) noexcept {
+PALPATE_INLINE void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3], double length_squared,
+                           outcome& o) noexcept {
     o.normal_force = -dot(r.gradient, under.normal);
     o.friction_coefficient = config.friction_coefficient >= 0.0 ? config.friction_coefficient : r.friction_coefficient;
     const double limit = o.normal_force > 0.0 ? o.friction_coefficient * o.normal_force : 0.0;
-    stiffen(o.spring, r.friction_stiffness);
-    o.slipped = yield(o.spring, limit);
+    o.slipped = settle(o.spring, length_squared, r.friction_stiffness, limit);
     if (config.adhesion != PALPATE_ADHESION_STICK_SLIP) creep(o.spring, config.adhesion, config.adhesion_start, limit, step);
     for (int a = 0; a < 3; ++a) o.force[a] = -r.gradient[a] - o.spring.stiffness * o.spring.stretch[a];
 }
 
 // Yields until |f| <= force_max: between the offset that is there (too strong) and the depth (no force at all).  Illinois
 // rule on |f| - force_max; the end that is kept is always on the weak side.
-void limit_force(const palpate_config& config, const tissue& under, const double step[3], const friction_spring& before,
-                 double& offset, response& r, outcome& o) noexcept {
+PALPATE_APART void limit_force(const palpate_config& config, const tissue& under, const double step[3], const friction_spring& before, double length_squared,
+                               double& offset, response& r, outcome& o) noexcept {
     const auto excess = [&config](const double f[3]) { return std::sqrt(dot(f, f)) - config.force_max; };
     double strong = offset, weak = under.depth;
     double strong_excess = excess(o.force), weak_excess = -config.force_max;
@@ -74,7 +74,7 @@ void limit_force(const palpate_config& config, const tissue& under, const double
         respond_at(under, tried, rt);
         outcome ot;
         ot.spring = before;
-        settle(config, under, rt, step, ot);
+        settle(config, under, rt, step, length_squared, ot);
         const double e = excess(ot.force);
         if (e > 0.0) {
             strong = tried;
@@ -97,21 +97,31 @@ void limit_force(const palpate_config& config, const tissue& under, const double
         offset = under.depth;
         respond_at(under, offset, r);
         o.spring = before;
-        settle(config, under, r, step, o);
+        settle(config, under, r, step, length_squared, o);
     }
 }
 
-// Settles, limits and tells.  On entry `spring` has been carried and turned, and E = r.energy + spring_energy(spring) is
-// what the accounts say is stored.
-void feel(palpate_session& s, const motion& m, const tissue& under, response& r, const friction_spring& spring, double offset,
-          std::uint32_t& status, palpate_tool_response& out) noexcept {
-    const double felt = r.energy;
-    const double held = spring_energy(spring);
+// Settles, limits and tells.  On entry `spring` has been carried and turned, and E = r.energy + held is what the accounts say is stored;
+// its |s|^2 is `length_squared`.
+PALPATE_INLINE void feel(palpate_session& s, const motion& m, const tissue& under, response& r, const friction_spring& spring,
+                         double length_squared, double held, double offset, std::uint32_t& status, palpate_tool_response& out) noexcept {
     outcome o;
-    o.spring = spring;
-    settle(s.config, under, r, m.step, o);
+    copy(spring, o.spring);
+    settle(s.config, under, r, m.step, length_squared, o);
     if (s.config.force_max > 0.0 && dot(o.force, o.force) > s.config.force_max * s.config.force_max) {
-        limit_force(s.config, under, m.step, spring, offset, r, o);
+        const double felt = r.energy;
+        friction_spring before;  // copies, so that the ordinary way needs no addresses
+        copy(spring, before);
+        outcome limited;
+        for (int a = 0; a < 3; ++a) limited.force[a] = o.force[a];
+        double yielded = offset;
+        limit_force(s.config, under, m.step, before, length_squared, yielded, r, limited);
+        copy(limited.spring, o.spring);
+        for (int a = 0; a < 3; ++a) o.force[a] = limited.force[a];
+        o.normal_force = limited.normal_force;
+        o.friction_coefficient = limited.friction_coefficient;
+        o.slipped = limited.slipped;
+        offset = yielded;
         status |= PALPATE_TICK_FORCE_LIMITED;
         s.books.dissipated_rule += felt - r.energy;
     }
@@ -123,7 +133,7 @@ void feel(palpate_session& s, const motion& m, const tissue& under, response& r,
     s.touching = true;
     s.energy = r.energy;
     s.offset = offset;
-    s.spring = o.spring;
+    copy(o.spring, s.spring);
     const double* f = o.force;
     for (int a = 0; a < 3; ++a) {
         s.force[a] = f[a];
@@ -174,7 +184,8 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     tissue under;
     under.field = s.field;
     under.distance_gradient = at.gradient;
-    friction_spring spring = s.spring;
+    friction_spring spring;
+    copy(s.spring, spring);
     for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
     const bool has_normal = unit(at.gradient, under.normal);
     const bool turned_over = s.touching ? dot(under.normal, spring.normal) < 0.0 : !has_normal;
@@ -183,7 +194,8 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     } else {
         touch_down(spring, under.normal);
     }
-    const double held = spring_energy(spring);
+    const double length_squared = dot(spring.stretch, spring.stretch);
+    const double held = 0.5 * spring.stiffness * length_squared;
     if (has_normal && !turned_over) turn(spring, under.normal);
 
     response r;  // at the new place, as it was touched
@@ -225,7 +237,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
             }
         }
     }
-    feel(s, m, under, r, spring, offset, status, out);
+    feel(s, m, under, r, spring, length_squared, held, offset, status, out);
     return true;
 }
 
@@ -247,7 +259,8 @@ bool change_field_in_contact(palpate_session& s, const motion& m, const location
     response r;
     const double offset = offset_for(under, s.energy, 0.0, r);
     s.books.dissipated_rule += s.energy - r.energy;
-    feel(s, m, under, r, spring, offset, status, out);
+    const double length_squared = dot(spring.stretch, spring.stretch);
+    feel(s, m, under, r, spring, length_squared, 0.5 * spring.stiffness * length_squared, offset, status, out);
     return true;
 }
 

@@ -40,10 +40,10 @@ struct contraction {
     // Depth (m) and grad phi at q = (x, y, z) (m); false unless all 27 counts under q are stored.
     bool (*distance)(const palpate_field& field, double x, double y, double z, distance_cell& kept, double depth_and_gradient[4]) noexcept;
     // Makes `kept` the cell of q.
-    void (*go_to)(const lattice& L, const float* coefficients, double x, double y, double z, std::int32_t channels, amplitude_cell& kept) noexcept;
-    // gather_amplitudes and amplitudes of way 0 in one, for a `kept` that was made q's.
-    bool (*amplitudes_in_cell)(const lattice& L, const float* coefficients, double x, double y, double z, std::int32_t gradient_channels,
-                               std::int32_t channels, const amplitude_cell& kept, amplitude_sums& sums) noexcept;
+    void (*go_to)(const palpate_field& field, double x, double y, double z, amplitude_cell& kept) noexcept;
+    // The response at q, depth (m, >= 0) and grad phi, in way 0, and the amplitudes there, for a `kept` that was made q's.
+    void (*respond)(const palpate_field& field, double x, double y, double z, double depth, const double distance_gradient[3],
+                    const amplitude_cell& kept, response& found, amplitude_sums& amplitudes) noexcept;
     // Where the coefficients under q are; absent ones are in row 0, which is all zero.  False where the whole stencil lies outside the
     // box.
     bool (*gather_amplitudes)(const lattice& L, const float* coefficients, double x, double y, double z,
@@ -51,7 +51,7 @@ struct contraction {
     // The first `channels` amplitudes (up to rfield_channel_limit), and derivatives of the first `gradient_channels`, both multiples of 4; from channel `way` on.
     void (*amplitudes)(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
                        amplitude_sums& sums) noexcept;
-    // The response at a depth (m, >= 0) and grad phi, from the amplitudes there.
+    // The same from amplitudes.
     void (*response_from)(const palpate_field& field, const amplitude_sums& amplitudes, double depth, const double distance_gradient[3],
                           response& found) noexcept;
 };

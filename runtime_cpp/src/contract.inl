@@ -6,6 +6,7 @@
 #include "field.h"
 #include "lanes.h"
 #include "respond.h"
+#include "vec.h"
 #include "stencil.inl"
 
 namespace palpate {
@@ -162,7 +163,7 @@ struct place {
     explicit place(const quad& t) noexcept : x(lane<0>(t)), y(lane<1>(t)), z(lane<2>(t)) {}
 };
 
-inline void values_at(const double kept[27][4], const place& t, double* value) noexcept {
+PALPATE_INLINE void values_at(const double kept[27][4], const place& t, double* value) noexcept {
     quad s[3];
     PALPATE_UNROLL_3
     for (int i = 0; i < 3; ++i) {
@@ -178,7 +179,7 @@ inline void values_at(const double kept[27][4], const place& t, double* value) n
     store(value, all(0.125) * twice_value(f.A, f.B, f.C, t.x));
 }
 
-inline void gradients_at(const double kept[27][4], const place& t, double* value, double* dx, double* dy, double* dz) noexcept {
+PALPATE_INLINE void gradients_at(const double kept[27][4], const place& t, double* value, double* dx, double* dy, double* dz) noexcept {
     quad s[3], sy[3], sz[3];
     PALPATE_UNROLL_3
     for (int i = 0; i < 3; ++i) {
@@ -203,7 +204,7 @@ inline void gradients_at(const double kept[27][4], const place& t, double* value
     store(dz, all(0.25) * twice_value(fz.A, fz.B, fz.C, t.x));
 }
 
-inline void four_amplitudes(const double kept[27][4], const place& t, bool with_gradient, std::int32_t first, amplitude_sums& sums) noexcept {
+PALPATE_INLINE void four_amplitudes(const double kept[27][4], const place& t, bool with_gradient, std::int32_t first, amplitude_sums& sums) noexcept {
     if (with_gradient) {
         gradients_at(kept, t, sums.value + first, sums.dx + first, sums.dy + first, sums.dz + first);
     } else {
@@ -222,32 +223,17 @@ void amplitudes(const amplitude_taps& taps, std::int64_t way, std::int32_t gradi
     store(sums.value + channels, all(0.0));
 }
 
-void go_to(const lattice& L, const float* coefficients, double px, double py, double pz, std::int32_t channels, amplitude_cell& kept) noexcept {
+void go_to(const palpate_field& field, double px, double py, double pz, amplitude_cell& kept) noexcept {
+    const lattice& L = field.amplitudes;
     const quad u = cell_coordinates(L, px, py, pz);
-    kept.inside = channels <= kept_channels && all_within(u, load(L.last));
+    kept.inside = field.channels <= kept_channels && all_within(u, load(L.last));
     if (!kept.inside) return;
     bool same;
     store(kept.t, u - truncated(u, kept.cell, same));
     if (same) return;
     amplitude_taps taps;
-    lines_inside(L, coefficients, kept.cell, taps);
-    for (std::int32_t first = 0; first < channels; first += 4) enter(taps, first, kept.channels[first / 4]);
-}
-
-bool amplitudes_in_cell(const lattice& L, const float* coefficients, double px, double py, double pz, std::int32_t gradient_channels,
-                        std::int32_t channels, const amplitude_cell& kept, amplitude_sums& sums) noexcept {
-    if (!kept.inside) {
-        amplitude_taps taps;
-        if (!gather_amplitudes(L, coefficients, px, py, pz, taps)) return false;
-        amplitudes(taps, 0, gradient_channels, channels, sums);
-        return true;
-    }
-    const place t(load(kept.t));
-    for (std::int32_t first = 0; first < channels; first += 4) {
-        four_amplitudes(kept.channels[first / 4], t, first < gradient_channels, first, sums);
-    }
-    store(sums.value + channels, all(0.0));
-    return true;
+    lines_inside(L, field.amplitude_coefficients, kept.cell, taps);
+    for (std::int32_t first = 0; first < field.channels; first += 4) enter(taps, first, kept.channels[first / 4]);
 }
 
 // The row of curves at some depth, and the depth from the row's start, m.
@@ -273,7 +259,7 @@ struct curve_sums {
 };
 
 // Four channels.  Curves are summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
-inline curve_sums four_curves(const depth_curves& curves, const double* c, double depth, const amplitude_sums& a, std::int64_t first, bool with_gradient) noexcept {
+PALPATE_INLINE curve_sums four_curves(const depth_curves& curves, const double* c, double depth, const amplitude_sums& a, std::int64_t first, bool with_gradient) noexcept {
     const std::int64_t padded = curves.padded;
     const quad x = all(depth), x2 = all(depth * depth);
     const quad c0 = load(c), c1 = load(c + padded), c2 = load(c + 2 * padded), c3 = load(c + 3 * padded);
@@ -295,7 +281,7 @@ inline curve_sums four_curves(const depth_curves& curves, const double* c, doubl
     return sums;
 }
 
-void response_from(const palpate_field& field, const amplitude_sums& a, double depth, const double distance_gradient[3], response& found) noexcept {
+PALPATE_INLINE void combine(const palpate_field& field, const amplitude_sums& a, double depth, const double distance_gradient[3], response& found) noexcept {
     const depth_curves& curves = field.curves;
     const curve_row row(curves.sets[0], curves.padded, depth);
     curve_sums s = four_curves(curves, row.c, row.x, a, 0, true);
@@ -324,6 +310,30 @@ void response_from(const palpate_field& field, const amplitude_sums& a, double d
     double* const out = &found.energy;
     store(out, load(field.response_scale) * sums_of_four(s.energy, s.gx, s.gy, s.gz) - along_depth);
     store(out + 4, larger(rest, four(lowest, lowest, 0.0, 0.0)));
+}
+
+void respond(const palpate_field& field, double px, double py, double pz, double depth, const double distance_gradient[3],
+             const amplitude_cell& kept, response& found, amplitude_sums& sums) noexcept {
+    if (kept.inside) {
+        const place t(load(kept.t));
+        for (std::int32_t first = 0; first < field.channels; first += 4) {
+            four_amplitudes(kept.channels[first / 4], t, first < field.gradient_channels, first, sums);
+        }
+        store(sums.value + field.channels, all(0.0));
+    } else {
+        amplitude_taps taps;
+        if (!gather_amplitudes(field.amplitudes, field.amplitude_coefficients, px, py, pz, taps)) {
+            sums = amplitude_sums{};
+            found = response{};
+            return;
+        }
+        amplitudes(taps, 0, field.gradient_channels, field.channels, sums);
+    }
+    combine(field, sums, depth, distance_gradient, found);
+}
+
+void response_from(const palpate_field& field, const amplitude_sums& sums, double depth, const double distance_gradient[3], response& found) noexcept {
+    combine(field, sums, depth, distance_gradient, found);
 }
 
 }  // namespace PALPATE_ISA

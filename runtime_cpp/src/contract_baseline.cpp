@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-const contraction contraction_baseline = {baseline::distance, baseline::go_to, baseline::amplitudes_in_cell, baseline::gather_amplitudes, baseline::amplitudes, baseline::response_from};
+const contraction contraction_baseline = {baseline::distance, baseline::go_to, baseline::respond, baseline::gather_amplitudes, baseline::amplitudes, baseline::response_from};
 
 const contraction& contraction_here() noexcept {
 #if defined(PALPATE_HAS_AVX2)

@@ -35,6 +35,13 @@ struct friction_spring {
     double stiffness;   // k, N/m, >= 0
 };
 
+// Number by number: a copy of the struct would read as pairs what was written one by one, and wait for it.
+inline void copy(const friction_spring& from, friction_spring& to) noexcept {
+    for (int a = 0; a < 3; ++a) to.stretch[a] = from.stretch[a];
+    for (int a = 0; a < 3; ++a) to.normal[a] = from.normal[a];
+    to.stiffness = from.stiffness;
+}
+
 // 1/2 k |s|^2, J
 inline double spring_energy(const friction_spring& spring) noexcept {
     return 0.5 * spring.stiffness * dot(spring.stretch, spring.stretch);
@@ -42,8 +49,9 @@ inline double spring_energy(const friction_spring& spring) noexcept {
 
 // A spring that was just set down: no stretch, this normal, no stiffness.
 inline void touch_down(friction_spring& spring, const double normal[3]) noexcept {
-    spring = friction_spring{};
+    for (int a = 0; a < 3; ++a) spring.stretch[a] = 0.0;
     for (int a = 0; a < 3; ++a) spring.normal[a] = normal[a];
+    spring.stiffness = 0.0;
 }
 
 // The hand moved the tool by `step` (m): s += the part of step orthogonal to the normal; k and normal stay.
@@ -64,24 +72,23 @@ inline void turn(friction_spring& spring, const double normal[3]) noexcept {
     }
 }
 
-// The stiffness becomes `stiffness` >= 0: where it rises k s stays, where it falls s stays.  Energy does not rise.
-inline void stiffen(friction_spring& spring, double stiffness) noexcept {
-    if (stiffness > spring.stiffness) {
-        const double share = spring.stiffness / stiffness;
-        for (int a = 0; a < 3; ++a) spring.stretch[a] *= share;
+// The stiffness becomes `stiffness` >= 0 (stiffen), then slips until |k s| <= limit (N, >= 0; yield); true when it had to.  Energy does not
+// rise.  Both at once, because s k / k' limit / |k s| = s limit / (k' |s|): neither waits for the other's division.  `length_squared` is
+// |s|^2, or was before the normal turned.
+inline bool settle(friction_spring& spring, double length_squared, double stiffness, double limit) noexcept {
+    const double before = spring.stiffness, least = stiffness < before ? stiffness : before;
+    const bool slips = least * least * length_squared > limit * limit;
+    double share = 1.0;
+    if (slips) {
+        share = limit / (stiffness * std::sqrt(length_squared));
+    } else if (stiffness > before) {
+        share = before / stiffness;
     } else if (!(stiffness > 0.0)) {
-        for (int a = 0; a < 3; ++a) spring.stretch[a] = 0.0;  // no spring: nothing to stretch
+        share = 0.0;  // no spring: nothing to stretch
     }
-    spring.stiffness = stiffness;
-}
-
-// Slips until |k s| <= limit (N, >= 0); true when it had to.  Energy does not rise.
-inline bool yield(friction_spring& spring, double limit) noexcept {
-    const double force_squared = spring.stiffness * spring.stiffness * dot(spring.stretch, spring.stretch);
-    if (!(force_squared > limit * limit)) return false;
-    const double share = limit / std::sqrt(force_squared);
     for (int a = 0; a < 3; ++a) spring.stretch[a] *= share;
-    return true;
+    spring.stiffness = stiffness;
+    return slips;
 }
 
 // zeta(z) in units of 1/limit, for the stretch z as a fraction of the stretch at which everything slips (z <= 1): how much
@@ -96,7 +103,7 @@ inline double adhesion(std::uint32_t model, double start, double z) noexcept {
 }
 
 // Slips by the adhesion function's share of the motion `step` (m), of which the part along the surface counts; `limit` as in
-// yield, which must have been called.  Energy does not rise.
+// settle, which must have been called.  Energy does not rise.
 inline void creep(friction_spring& spring, std::uint32_t model, double start, double limit, const double step[3]) noexcept {
     const double force = spring.stiffness * std::sqrt(dot(spring.stretch, spring.stretch));
     if (!(force > 0.0) || !(limit > 0.0)) return;

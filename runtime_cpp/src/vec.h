@@ -3,6 +3,15 @@
 #ifndef PALPATE_SRC_VEC_H
 #define PALPATE_SRC_VEC_H
 
+// For what a tick must not call, because its numbers would go through memory.
+#if defined(__GNUC__)
+#define PALPATE_INLINE inline __attribute__((always_inline))
+#define PALPATE_APART __attribute__((noinline))
+#else
+#define PALPATE_INLINE inline
+#define PALPATE_APART
+#endif
+
 namespace palpate {
 
 inline double dot(const double a[3], const double b[3]) noexcept { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }

@@ -203,7 +203,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     if (plain) {
         under.depth = at.depth;
         offset = s.offset < at.depth ? s.offset : at.depth;
-        if (!m.in_cell) go_to(*s.field, m.q, s.under_amplitudes);
+        if (!m.in_cell) go_to(*s.field, m.q[0], m.q[1], m.q[2], s.under_amplitudes);
         respond(*s.field, m.q, at.depth - offset, at.gradient, s.under_amplitudes, r, under.amplitudes);
     } else {
         offset = touch_as_before(s, m, at, under, r);

@@ -48,8 +48,7 @@ inline bool within(double x, double limit) noexcept { return x >= -limit && x <=
 // Why this input cannot be used at all: PALPATE_TICK_BAD_INPUT or 0.
 inline std::uint32_t input_fault(const palpate_tool_state& state) noexcept {
     const auto unit = [](const double q[4]) {
-        double length_squared = 0.0;
-        for (int a = 0; a < 4; ++a) length_squared += q[a] * q[a];
+        const double length_squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
         return length_squared > 0.98 && length_squared < 1.02;
     };
     bool usable = state.dt > 0.0 && within(state.dt, 1e9);

@@ -18,8 +18,6 @@
 namespace palpate {
 namespace {
 
-static_assert(sizeof(location) == 5 * sizeof(double), "depth and gradient in a row");
-
 constexpr std::int32_t absent_outside = -1;
 constexpr std::int32_t absent_inside = -2;
 
@@ -65,20 +63,17 @@ palpate_region unknown_cell(const palpate_field& field, const double q[3]) noexc
 
 }  // namespace
 
-void locate(const palpate_field& field, const double q[3], distance_cell& kept, location& found) noexcept {
-    if (!field.contract->distance(field, q[0], q[1], q[2], kept, &found.depth)) {
-        found.region = unknown_cell(field, q);
-        found.depth = 0.0;
-        found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
-        return;
-    }
-    found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
+void locate_unknown(const palpate_field& field, double x, double y, double z, location& found) noexcept {
+    const double q[3] = {x, y, z};
+    found.region = unknown_cell(field, q);
+    found.depth = 0.0;
+    found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
 }
 
 void locate(const palpate_field& field, const double q[3], location& found) noexcept {
     distance_cell cell;
     forget(cell.cell);
-    locate(field, q, cell, found);
+    locate(field, q[0], q[1], q[2], cell, found);
 }
 
 void look_along(const palpate_field& field, const double from[3], const double to[3], const double* start_normal,
@@ -102,7 +97,7 @@ void look_along(const palpate_field& field, const double from[3], const double t
         const double t = static_cast<double>(i) / static_cast<double>(count);
         const double q[3] = {from[0] + t * step[0], from[1] + t * step[1], from[2] + t * step[2]};
         location at;
-        locate(field, q, kept, at);
+        locate(field, q[0], q[1], q[2], kept, at);
         const double* g = at.gradient;
         switch (at.region) {
             case PALPATE_REGION_CONTACT:

@@ -14,8 +14,19 @@ struct location {
     double gradient[3];  // grad phi, likewise
 };
 
-// Where q (m, |q| bounded by 1e6) is; `kept` belongs to this field and gets the cell of q.
-void locate(const palpate_field& field, const double q[3], distance_cell& kept, location& found) noexcept;
+static_assert(sizeof(location) == 5 * sizeof(double), "depth and gradient in a row");
+
+// In a cell whose coefficients are not all stored.
+void locate_unknown(const palpate_field& field, double x, double y, double z, location& found) noexcept;
+
+// Where q = (x, y, z) (m, |q| bounded by 1e6) is; `kept` belongs to this field and gets the cell of q.
+inline void locate(const palpate_field& field, double x, double y, double z, distance_cell& kept, location& found) noexcept {
+    if (field.contract->distance(field, x, y, z, kept, &found.depth)) {
+        found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
+    } else {
+        locate_unknown(field, x, y, z, found);
+    }
+}
 void locate(const palpate_field& field, const double q[3], location& found) noexcept;
 
 // What a straight stroke between two points meets, both ends excluded, looked at once each geometry spacing:

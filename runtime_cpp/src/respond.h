@@ -23,9 +23,9 @@ struct response {
     double friction_coefficient;  // mu >= 0
 };
 
-// Makes `kept`, which belongs to this field, the cell of q.
-inline void go_to(const palpate_field& field, const double q[3], amplitude_cell& kept) noexcept {
-    field.contract->go_to(field, q[0], q[1], q[2], kept);
+// Makes `kept`, which belongs to this field, the cell of q = (x, y, z) (m).
+inline void go_to(const palpate_field& field, double x, double y, double z, amplitude_cell& kept) noexcept {
+    field.contract->go_to(field, x, y, z, kept);
 }
 
 // The response at q with depth >= 0 (m) and grad phi as `locate` found them, in the first way of touching; `amplitudes` are

@@ -81,7 +81,7 @@ std::uint32_t check_stroke(palpate_session& s, motion& m, const location& at) no
 // The field changes at m.q, where `at` becomes what the new one says; true when contact goes on.
 bool change_field(palpate_session& s, motion& m, location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
     forget_cells(s);
-    locate(*s.next_field, m.q, s.under_distance, at);
+    locate(*s.next_field, m.q[0], m.q[1], m.q[2], s.under_distance, at);
     tilt(*s.next_field, 1.0, m, at);
     if (at.region == PALPATE_REGION_CONTACT || at.region == PALPATE_REGION_FREE) {  // only the new way counts
         at.depth -= m.shift;
@@ -134,10 +134,16 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     }
 
     motion m;
-    reference_point(state, s.config.reference_point, m.q);
+    double q[3];  // its numbers go on without waiting for memory
+    reference_point(state, s.config.reference_point, q);
+    m.in_cell = s.touching;
+    if (m.in_cell) go_to(*s.field, q[0], q[1], q[2], s.under_amplitudes);
+    location at;
+    locate(*s.field, q[0], q[1], q[2], s.under_distance, at);
     for (int a = 0; a < 3; ++a) {
-        m.step[a] = s.has_q ? m.q[a] - s.q[a] : 0.0;
-        m.arm[a] = m.q[a] - state.position[a];
+        m.q[a] = q[a];
+        m.step[a] = s.has_q ? q[a] - s.q[a] : 0.0;
+        m.arm[a] = q[a] - state.position[a];
     }
     m.work = -dot(s.force, m.step);
     const double length_squared = dot(m.step, m.step);
@@ -146,10 +152,6 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     if (state.dt > s.config.dt_max) status |= PALPATE_TICK_STALE;
     if ((state.flags & PALPATE_INPUT_RELEASE) != 0) status |= PALPATE_TICK_RELEASED;
 
-    m.in_cell = s.touching;
-    if (m.in_cell) go_to(*s.field, m.q, s.under_amplitudes);
-    location at;
-    locate(*s.field, m.q, s.under_distance, at);
     m.cosine = s.cosine;
     m.shift_before = m.shift = 0.0;
     if (s.field->way_count > 1 || s.next_field != nullptr) {

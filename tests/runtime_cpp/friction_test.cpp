@@ -12,6 +12,10 @@ namespace {
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+// The two changes that settle makes at once, each alone.
+void stiffen(friction_spring& s, double stiffness) { settle(s, dot(s.stretch, s.stretch), stiffness, 1e100); }
+bool yield(friction_spring& s, double limit) { return settle(s, dot(s.stretch, s.stretch), s.stiffness, limit); }
+
 struct random_springs {
     std::mt19937_64 engine{5};
     std::normal_distribution<double> normal;
@@ -101,6 +105,25 @@ TEST(friction, no_change_of_stiffness_or_limit_raises_energy) {
             EXPECT_EQ(spring_energy(s), before);
         }
     }
+}
+
+TEST(friction, settling_at_once_is_stiffening_and_then_yielding) {
+    random_springs random;
+    int slips = 0;
+    for (int i = 0; i < 10000; ++i) {
+        friction_spring one_by_one = random.spring();
+        friction_spring at_once = one_by_one;
+        const double stiffness = i % 10 == 0 ? 0.0 : std::exp(3.0 * random.normal(random.engine)) * 100.0;
+        const double limit = i % 7 == 0 ? 0.0 : std::exp(random.normal(random.engine)) * 0.1;
+        stiffen(one_by_one, stiffness);
+        const bool slipped = yield(one_by_one, limit);
+        EXPECT_EQ(settle(at_once, dot(at_once.stretch, at_once.stretch), stiffness, limit), slipped);
+        for (int a = 0; a < 3; ++a) EXPECT_NEAR(at_once.stretch[a], one_by_one.stretch[a], 1e-15 * std::fabs(one_by_one.stretch[a]));
+        EXPECT_EQ(at_once.stiffness, one_by_one.stiffness);
+        slips += slipped;
+    }
+    EXPECT_GT(slips, 1000);
+    EXPECT_LT(slips, 9000);
 }
 
 TEST(friction, without_stiffness_nothing_is_stretched) {

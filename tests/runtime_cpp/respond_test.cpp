@@ -14,7 +14,10 @@ namespace {
 // The response alone.
 void respond(const palpate_field& field, const double q[3], double depth, const double gradient[3], response& found) {
     amplitude_sums amplitudes;
-    palpate::respond(field, q, depth, gradient, found, amplitudes);
+    amplitude_cell cell;
+    forget(cell.cell);
+    go_to(field, q[0], q[1], q[2], cell);
+    palpate::respond(field, q, depth, gradient, cell, found, amplitudes);
 }
 
 response at_point(const palpate_field* field, const point& q) {
@@ -92,7 +95,7 @@ TEST(respond, beyond_the_last_knot_force_goes_on_with_its_last_slope) {
     const opened_field plane("plane");
     const double up[3] = {0, 0, 1}, q[3] = {-5e-3, 0, 1e-3};
     response a, b, c, d;
-    const double end = plane.field->energy.depth_end;
+    const double end = plane.field->curves.sets[0].depth_end;
     respond(*plane.field, q, end * (1 - 1e-12), up, a);
     respond(*plane.field, q, end * (1 + 1e-12), up, b);
     respond(*plane.field, q, end + 1e-3, up, c);

@@ -156,7 +156,7 @@ PALPATE_INLINE void feel(palpate_session& s, const motion& m, const tissue& unde
 
 }  // namespace
 
-void let_go(palpate_session& s) noexcept {
+void let_go(palpate_session& s) PALPATE_REAL_TIME {
     s.touching = false;
     s.energy = 0.0;
     s.offset = 0.0;
@@ -164,12 +164,12 @@ void let_go(palpate_session& s) noexcept {
     for (double& f : s.force) f = 0.0;
 }
 
-void give_up(palpate_session& s, double work) noexcept {
+void give_up(palpate_session& s, double work) PALPATE_REAL_TIME {
     release(s.books, work, s.energy + spring_energy(s.spring));
     let_go(s);
 }
 
-void lift_off(palpate_session& s, double work, const double step[3]) noexcept {
+void lift_off(palpate_session& s, double work, const double step[3]) PALPATE_REAL_TIME {
     const double before = s.energy + spring_energy(s.spring);
     carry(s.spring, step);
     const double spring = spring_energy(s.spring);
@@ -179,7 +179,7 @@ void lift_off(palpate_session& s, double work, const double step[3]) noexcept {
 }
 
 // What needs the normal alone is done before the response, so that the processor can do both at once.
-bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
+bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) PALPATE_REAL_TIME {
     const bool plain = s.field->way_count == 1 && s.config.response == PALPATE_RESPONSE_POTENTIAL;
     tissue under;
     under.field = s.field;
@@ -242,7 +242,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
 }
 
 bool change_field_in_contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status,
-                             palpate_tool_response& out) noexcept {
+                             palpate_tool_response& out) PALPATE_REAL_TIME {
     tissue under;
     under.field = s.next_field;
     under.distance_gradient = at.gradient;

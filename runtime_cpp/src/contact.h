@@ -22,18 +22,18 @@ struct motion {
 };
 
 // Contact at m.q; fills `out`.  False (with a status bit) where it cannot be: the caller ends it.
-bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) noexcept;
+bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) PALPATE_REAL_TIME;
 
 // Contact goes on in s.next_field at s.q; fills `out`.  False (everything given up) where that field has no contact.
 bool change_field_in_contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status,
-                             palpate_tool_response& out) noexcept;
+                             palpate_tool_response& out) PALPATE_REAL_TIME;
 
 // The ends of contact.  Nothing is stored and nothing is sent any more; the accounts are not touched.
-void let_go(palpate_session& s) noexcept;
+void let_go(palpate_session& s) PALPATE_REAL_TIME;
 // All that is left is dissipated.
-void give_up(palpate_session& s, double work) noexcept;
+void give_up(palpate_session& s, double work) PALPATE_REAL_TIME;
 // The tool came free by itself: U is 0, the spring's rest is dissipated.
-void lift_off(palpate_session& s, double work, const double step[3]) noexcept;
+void lift_off(palpate_session& s, double work, const double step[3]) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

@@ -52,7 +52,7 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
     return true;
 }
 
-bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept, double depth_and_gradient[4]) noexcept {
+bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept, double depth_and_gradient[4]) PALPATE_REAL_TIME {
     const lattice& L = field.geometry;
     const quad u = cell_coordinates(L, px, py, pz);
     if (!all_within(u, load(L.last))) return false;
@@ -110,7 +110,7 @@ inline void lines_inside(const lattice& L, const float* coefficients, const std:
     lines_at(L, coefficients, cell, first, taps);
 }
 
-bool gather_amplitudes(const lattice& L, const float* coefficients, double x, double y, double z, amplitude_taps& taps) noexcept {
+bool gather_amplitudes(const lattice& L, const float* coefficients, double x, double y, double z, amplitude_taps& taps) PALPATE_REAL_TIME {
     const quad u = cell_coordinates(L, x, y, z);
     std::uint32_t cell[4];
     if (all_within(u, load(L.last))) {
@@ -213,7 +213,7 @@ PALPATE_INLINE void four_amplitudes(const double kept[27][4], const place& t, bo
 }
 
 void amplitudes(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
-                amplitude_sums& sums) noexcept {
+                amplitude_sums& sums) PALPATE_REAL_TIME {
     const place t(load(taps.t));
     for (std::int32_t first = 0; first < channels; first += 4) {
         double four[27][4];
@@ -223,7 +223,7 @@ void amplitudes(const amplitude_taps& taps, std::int64_t way, std::int32_t gradi
     store(sums.value + channels, all(0.0));
 }
 
-void go_to(const palpate_field& field, double px, double py, double pz, amplitude_cell& kept) noexcept {
+void go_to(const palpate_field& field, double px, double py, double pz, amplitude_cell& kept) PALPATE_REAL_TIME {
     const lattice& L = field.amplitudes;
     const quad u = cell_coordinates(L, px, py, pz);
     kept.inside = field.channels <= kept_channels && all_within(u, load(L.last));
@@ -313,7 +313,7 @@ PALPATE_INLINE void combine(const palpate_field& field, const amplitude_sums& a,
 }
 
 void respond(const palpate_field& field, double px, double py, double pz, double depth, const double distance_gradient[3],
-             const amplitude_cell& kept, response& found, amplitude_sums& sums) noexcept {
+             const amplitude_cell& kept, response& found, amplitude_sums& sums) PALPATE_REAL_TIME {
     if (kept.inside) {
         const place t(load(kept.t));
         for (std::int32_t first = 0; first < field.channels; first += 4) {
@@ -332,7 +332,7 @@ void respond(const palpate_field& field, double px, double py, double pz, double
     combine(field, sums, depth, distance_gradient, found);
 }
 
-void response_from(const palpate_field& field, const amplitude_sums& sums, double depth, const double distance_gradient[3], response& found) noexcept {
+void response_from(const palpate_field& field, const amplitude_sums& sums, double depth, const double distance_gradient[3], response& found) PALPATE_REAL_TIME {
     combine(field, sums, depth, distance_gradient, found);
 }
 

@@ -63,21 +63,21 @@ palpate_region unknown_cell(const palpate_field& field, const double q[3]) noexc
 
 }  // namespace
 
-void locate_unknown(const palpate_field& field, double x, double y, double z, location& found) noexcept {
+void locate_unknown(const palpate_field& field, double x, double y, double z, location& found) PALPATE_REAL_TIME {
     const double q[3] = {x, y, z};
     found.region = unknown_cell(field, q);
     found.depth = 0.0;
     found.gradient[0] = found.gradient[1] = found.gradient[2] = 0.0;
 }
 
-void locate(const palpate_field& field, const double q[3], location& found) noexcept {
+void locate(const palpate_field& field, const double q[3], location& found) PALPATE_REAL_TIME {
     distance_cell cell;
     forget(cell.cell);
     locate(field, q[0], q[1], q[2], cell, found);
 }
 
 void look_along(const palpate_field& field, const double from[3], const double to[3], const double* start_normal,
-                stroke& seen) noexcept {
+                stroke& seen) PALPATE_REAL_TIME {
     seen = stroke{};
     const double step[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
     const double length = std::sqrt(step[0] * step[0] + step[1] * step[1] + step[2] * step[2]);

@@ -17,17 +17,17 @@ struct location {
 static_assert(sizeof(location) == 5 * sizeof(double), "depth and gradient in a row");
 
 // In a cell whose coefficients are not all stored.
-void locate_unknown(const palpate_field& field, double x, double y, double z, location& found) noexcept;
+void locate_unknown(const palpate_field& field, double x, double y, double z, location& found) PALPATE_REAL_TIME;
 
 // Where q = (x, y, z) (m, |q| bounded by 1e6) is; `kept` belongs to this field and gets the cell of q.
-inline void locate(const palpate_field& field, double x, double y, double z, distance_cell& kept, location& found) noexcept {
+inline void locate(const palpate_field& field, double x, double y, double z, distance_cell& kept, location& found) PALPATE_REAL_TIME {
     if (field.contract->distance(field, x, y, z, kept, &found.depth)) {
         found.region = found.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
     } else {
         locate_unknown(field, x, y, z, found);
     }
 }
-void locate(const palpate_field& field, const double q[3], location& found) noexcept;
+void locate(const palpate_field& field, const double q[3], location& found) PALPATE_REAL_TIME;
 
 // What a straight stroke between two points meets, both ends excluded, looked at once each geometry spacing:
 // the lattice cannot hold tissue thinner than that.
@@ -45,7 +45,7 @@ constexpr double stroke_sample_limit = 256.0;
 
 // `start_normal`: of the contact that the stroke starts in; null where it starts free.
 void look_along(const palpate_field& field, const double from[3], const double to[3], const double* start_normal,
-                stroke& seen) noexcept;
+                stroke& seen) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

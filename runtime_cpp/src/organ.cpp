@@ -98,7 +98,7 @@ void place_in_world(const rigid& pose, double x[3]) noexcept {
 
 }  // namespace
 
-std::uint32_t tick_on_organ(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) noexcept {
+std::uint32_t tick_on_organ(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME {
     carriage& c = s.organ;
     c.used = true;
     if (!c.started) {  // so far the organ's axes were the world's
@@ -176,7 +176,7 @@ palpate_status palpate_organ_init(void* memory, size_t size, palpate_organ** org
 }
 
 palpate_status palpate_organ_move(palpate_organ* organ, const double position[3], const double orientation[4],
-                                  double duration) noexcept {
+                                  double duration) PALPATE_REAL_TIME {
     using namespace palpate;
     published_pose news;
     if (organ == nullptr || position == nullptr || orientation == nullptr || !normalised(orientation, news.pose.orientation) ||
@@ -200,7 +200,7 @@ palpate_status palpate_organ_move(palpate_organ* organ, const double position[3]
     return PALPATE_OK;
 }
 
-palpate_status palpate_session_set_organ(palpate_session* session, const palpate_organ* organ) noexcept {
+palpate_status palpate_session_set_organ(palpate_session* session, const palpate_organ* organ) PALPATE_REAL_TIME {
     if (session == nullptr) return PALPATE_BAD_ARGUMENT;
     session->organ.source = organ;
     session->organ.seen = 0;

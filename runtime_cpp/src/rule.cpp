@@ -10,7 +10,7 @@ constexpr double tolerance = 1e-12;  // of the energy
 
 }  // namespace
 
-double offset_for(const tissue& under, double energy, double guess, response& found) noexcept {
+double offset_for(const tissue& under, double energy, double guess, response& found) PALPATE_REAL_TIME {
     respond_at(under, 0.0, found);
     if (found.energy <= energy) return 0.0;
     // U falls with the offset: too strong at 0, nothing at the depth.  The end that is kept is always the weak one.

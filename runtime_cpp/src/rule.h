@@ -29,7 +29,7 @@ inline void respond_at(const tissue& under, double offset, response& found) noex
 
 // The smallest offset for which `under` holds at most `energy` >= 0 (J), to 1e-12 of it; `found` is the response there.  `guess`: a
 // likely one.
-double offset_for(const tissue& under, double energy, double guess, response& found) noexcept;
+double offset_for(const tissue& under, double energy, double guess, response& found) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

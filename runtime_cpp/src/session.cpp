@@ -63,7 +63,7 @@ palpate_status palpate_session_init(void* memory, size_t size, const palpate_fie
     return PALPATE_OK;
 }
 
-palpate_status palpate_session_reset(palpate_session* session) noexcept {
+palpate_status palpate_session_reset(palpate_session* session) PALPATE_REAL_TIME {
     if (session == nullptr) return PALPATE_BAD_ARGUMENT;
     if (session->next_field != nullptr) session->field = session->next_field;
     session->next_field = nullptr;
@@ -72,20 +72,20 @@ palpate_status palpate_session_reset(palpate_session* session) noexcept {
 }
 
 palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
-                                        palpate_session** snapshot) noexcept {
+                                        palpate_session** snapshot) PALPATE_REAL_TIME {
     if (snapshot != nullptr) *snapshot = nullptr;
     if (session == nullptr || snapshot == nullptr || !roomy(memory, size)) return PALPATE_BAD_ARGUMENT;
     *snapshot = new (memory) palpate_session(*session);
     return PALPATE_OK;
 }
 
-palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) noexcept {
+palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_REAL_TIME {
     if (session == nullptr || field == nullptr) return PALPATE_BAD_ARGUMENT;
     session->next_field = field == session->field ? nullptr : field;
     return PALPATE_OK;
 }
 
-uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state, palpate_tool_response* response) noexcept {
+uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state, palpate_tool_response* response) PALPATE_REAL_TIME {
     if (session == nullptr || state == nullptr || response == nullptr || state->size < sizeof(palpate_tool_state) ||
         response->size < sizeof(palpate_tool_response)) {
         return PALPATE_TICK_BAD_ARGUMENT;
@@ -95,7 +95,7 @@ uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state,
 }
 
 uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states, palpate_tool_response* responses,
-                            size_t count) noexcept {
+                            size_t count) PALPATE_REAL_TIME {
     if (count == 0) return 0;
     if (session == nullptr || states == nullptr || responses == nullptr || states->size < sizeof(palpate_tool_state) ||
         responses->size < sizeof(palpate_tool_response) || states->size % alignof(palpate_tool_state) != 0 ||

@@ -57,13 +57,13 @@ inline void forget_cells(palpate_session& session) noexcept {
 }
 
 // State of a fresh session; keeps field and config.
-void begin(palpate_session& session) noexcept;
+void begin(palpate_session& session) PALPATE_REAL_TIME;
 
 // One tick with arguments known to be good, in the organ's axes.
-std::uint32_t tick(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) noexcept;
+std::uint32_t tick(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME;
 
 // The same in world axes, on an organ that has a pose or may get one.
-std::uint32_t tick_on_organ(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) noexcept;
+std::uint32_t tick_on_organ(palpate_session& session, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

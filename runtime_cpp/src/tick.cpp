@@ -105,7 +105,7 @@ bool change_field(palpate_session& s, motion& m, location& at, std::uint32_t& st
 
 }  // namespace
 
-void begin(palpate_session& s) noexcept {
+void begin(palpate_session& s) PALPATE_REAL_TIME {
     let_go(s);
     s.books = accounts{};
     s.entry = gate::closed;
@@ -119,7 +119,7 @@ void begin(palpate_session& s) noexcept {
     forget_cells(s);
 }
 
-std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) noexcept {
+std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME {
     std::uint32_t status = input_fault(state);
     if (status != 0) {
         give_up(s, 0.0);  // where the hand went is not known, so neither is its work

@@ -22,14 +22,14 @@ void freeze(palpate_session& s, amplitude_sums& sums) noexcept {
 
 }  // namespace
 
-void touch(palpate_session& s, const motion& m, tissue& under) noexcept {
+void touch(palpate_session& s, const motion& m, tissue& under) PALPATE_REAL_TIME {
     amplitudes_here here;
     amplitudes_at(*under.field, m.q, here);
     blend(*under.field, here, m.cosine, under.amplitudes);
     if (s.config.response != PALPATE_RESPONSE_POTENTIAL) freeze(s, under.amplitudes);
 }
 
-double touch_as_before(palpate_session& s, const motion& m, const location& at, tissue& under, response& found) noexcept {
+double touch_as_before(palpate_session& s, const motion& m, const location& at, tissue& under, response& found) PALPATE_REAL_TIME {
     const palpate_field& field = *s.field;
     tissue before{};
     before.field = &field;
@@ -51,7 +51,7 @@ double touch_as_before(palpate_session& s, const motion& m, const location& at, 
     return offset;
 }
 
-void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) noexcept {
+void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) PALPATE_REAL_TIME {
     if (s.config.response == PALPATE_RESPONSE_POTENTIAL && m.cosine == clamped_cosine(*s.field, s.cosine)) {
         if (offset > 0.0) status |= PALPATE_TICK_RULE_YIELDED;  // nothing changed: the offset is the smallest one already
         return;

@@ -13,14 +13,14 @@
 namespace palpate {
 
 // The amplitudes of `under` for m.q and m.cosine in its field.
-void touch(palpate_session& s, const motion& m, tissue& under) noexcept;
+void touch(palpate_session& s, const motion& m, tissue& under) PALPATE_REAL_TIME;
 
 // `found`: the response at m.q with the way of touching and (axial) the amplitudes of the last tick, at the offset that is
 // returned.  Depth and amplitudes of `under` become those of this tick.
-double touch_as_before(palpate_session& s, const motion& m, const location& at, tissue& under, response& found) noexcept;
+double touch_as_before(palpate_session& s, const motion& m, const location& at, tissue& under, response& found) PALPATE_REAL_TIME;
 
 // From there to this tick's way of touching, at one place: by the energy rule, or (unguarded) as it comes.
-void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) noexcept;
+void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

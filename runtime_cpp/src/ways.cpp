@@ -31,25 +31,25 @@ const amplitude_sums& sums_of(const palpate_field& field, amplitudes_here& here,
 
 }  // namespace
 
-double clamped_cosine(const palpate_field& field, double cosine) noexcept {
+double clamped_cosine(const palpate_field& field, double cosine) PALPATE_REAL_TIME {
     const double* c = field.header.way_cosine;
     const double least = c[field.way_count - 1];
     return cosine > c[0] ? c[0] : cosine > least ? cosine : least;
 }
 
-double offset_of_way(const palpate_field& field, double cosine) noexcept {
+double offset_of_way(const palpate_field& field, double cosine) PALPATE_REAL_TIME {
     double t = 0.0;
     const std::int32_t w = between_ways(field, cosine, t);
     const double* rho = field.header.way_offset;
     return t > 0.0 ? (1.0 - t) * rho[w] + t * rho[w + 1] : rho[w];
 }
 
-void amplitudes_at(const palpate_field& field, const double q[3], amplitudes_here& here) noexcept {
+void amplitudes_at(const palpate_field& field, const double q[3], amplitudes_here& here) PALPATE_REAL_TIME {
     here.stored = gather(field, q, here.taps);
     for (bool& known : here.known) known = false;
 }
 
-void blend(const palpate_field& field, amplitudes_here& here, double cosine, amplitude_sums& sums) noexcept {
+void blend(const palpate_field& field, amplitudes_here& here, double cosine, amplitude_sums& sums) PALPATE_REAL_TIME {
     if (!here.stored) {
         sums = amplitude_sums{};
         return;

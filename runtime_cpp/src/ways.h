@@ -22,12 +22,12 @@ struct amplitudes_here {
 };
 
 // `cosine` within the field's ways.
-double clamped_cosine(const palpate_field& field, double cosine) noexcept;
+double clamped_cosine(const palpate_field& field, double cosine) PALPATE_REAL_TIME;
 // rho(c), m.
-double offset_of_way(const palpate_field& field, double cosine) noexcept;
+double offset_of_way(const palpate_field& field, double cosine) PALPATE_REAL_TIME;
 
-void amplitudes_at(const palpate_field& field, const double q[3], amplitudes_here& here) noexcept;
-void blend(const palpate_field& field, amplitudes_here& here, double cosine, amplitude_sums& sums) noexcept;
+void amplitudes_at(const palpate_field& field, const double q[3], amplitudes_here& here) PALPATE_REAL_TIME;
+void blend(const palpate_field& field, amplitudes_here& here, double cosine, amplitude_sums& sums) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

@@ -51,6 +51,16 @@ extern "C" {
 #define PALPATE_NOEXCEPT
 #endif
 
+/* What a servo loop may call: neither waits nor asks the system for anything.  clang 20 and later check it (-Wfunction-effects). */
+#if defined(__cplusplus) && defined(__has_cpp_attribute)
+#if __has_cpp_attribute(clang::nonblocking)
+#define PALPATE_REAL_TIME noexcept [[clang::nonblocking]]
+#endif
+#endif
+#ifndef PALPATE_REAL_TIME
+#define PALPATE_REAL_TIME PALPATE_NOEXCEPT
+#endif
+
 /* Changes when a struct or a function changes in a way that compiled code would notice. */
 #define PALPATE_ABI_VERSION 3u
 
@@ -234,18 +244,18 @@ PALPATE_API palpate_status palpate_session_init(void* memory, size_t size, const
                                                 const palpate_config* config, palpate_session** session) PALPATE_NOEXCEPT;
 
 /* Back to the state after palpate_session_init, accounts at zero. */
-PALPATE_API palpate_status palpate_session_reset(palpate_session* session) PALPATE_NOEXCEPT;
+PALPATE_API palpate_status palpate_session_reset(palpate_session* session) PALPATE_REAL_TIME;
 
 /* Gives the session another field (another tool, tilt or state of the same organ, in the same axes) from the next tick
  * on; that tick moves in the old field first, then changes, and takes up to 45 further evaluations of curves.  While
  * touching, stored energy does not rise: where the new field would hold more, its surface yields (surface_offset) until it
  * does not, and comes back with the tool.  The force may step.  Where the new field has no contact, or a surface that faces
  * away, contact is released.  A change of way of touching (tilt) within one field follows the same rule, every tick.  Until the next tick returns the old field must stay open. */
-PALPATE_API palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_NOEXCEPT;
+PALPATE_API palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_REAL_TIME;
 
 /* Copies the session's bytes to `memory` (as in palpate_session_init) and returns the copy in *snapshot. */
 PALPATE_API palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
-                                                    palpate_session** snapshot) PALPATE_NOEXCEPT;
+                                                    palpate_session** snapshot) PALPATE_REAL_TIME;
 
 /* ---- organ ---------------------------------------------------------------------------------------------------- */
 
@@ -264,10 +274,10 @@ PALPATE_API palpate_status palpate_organ_init(void* memory, size_t size, palpate
  * orientation by normalised interpolation; without a pose before, at once.  Wait-free; one thread at a time.
  * position: |x| <= 1e3 m.  orientation: x y z w, length 1 within 1 %.  duration: 0 to 1e3 s. */
 PALPATE_API palpate_status palpate_organ_move(palpate_organ* organ, const double position[3], const double orientation[4],
-                                              double duration) PALPATE_NOEXCEPT;
+                                              double duration) PALPATE_REAL_TIME;
 
 /* From the next tick on the session's organ is where `organ` is, which must outlive it; null: it stays where it is. */
-PALPATE_API palpate_status palpate_session_set_organ(palpate_session* session, const palpate_organ* organ) PALPATE_NOEXCEPT;
+PALPATE_API palpate_status palpate_session_set_organ(palpate_session* session, const palpate_organ* organ) PALPATE_REAL_TIME;
 
 /* ---- tick ---------------------------------------------------------------------------------------------------- */
 
@@ -336,12 +346,12 @@ typedef struct palpate_tool_response {
  * Time: bounded; one evaluation of the field, and one look along the segment from the last point for each geometry
  * spacing that the tool moved beyond the first (at most 256, then PALPATE_TICK_JUMP). */
 PALPATE_API uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state,
-                                  palpate_tool_response* response) PALPATE_NOEXCEPT;
+                                  palpate_tool_response* response) PALPATE_REAL_TIME;
 
 /* `count` ticks in a row, for recorded traces.  states[0].size and responses[0].size give the distances in bytes from one
  * element to the next; the size in every state must be set.  Returns all status bits that occurred, or-ed. */
 PALPATE_API uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states,
-                                        palpate_tool_response* responses, size_t count) PALPATE_NOEXCEPT;
+                                        palpate_tool_response* responses, size_t count) PALPATE_REAL_TIME;
 
 #ifdef __cplusplus
 }

@@ -14,6 +14,10 @@ A trace is a table with one row for each servo tick, as CSV (a header line, comm
     release                     0, 1  no; 1 lets go (a clutch)
 
 In NPZ `position` (n, 3), `orientation` (n, 4), `organ_position` and `organ_orientation` may stand for their columns.
+A row that the runtime cannot use (a number that is not finite, a dt of 0 or below, no unit quaternion) is no reason to
+refuse the trace: it goes to the runtime like any other, which sends no force, says why in its status, and lets contact
+come back from outside only.  A `release` that is not finite lets go.
+
 What comes out holds the same rows with RESULT_COLUMNS beside them, so that an answer is itself a trace and can be
 replayed again: that reproduces it bit for bit.
 """
@@ -63,13 +67,13 @@ def replay(
         force_max: N; the device's limit, 0 for none.
 
     Returns:
-        field, trace, out, ticks, seconds (of the trace), work_in, organ_work, injected, stored_energy,
+        field, trace, out, ticks, seconds (of the usable rows), work_in, organ_work, injected, stored_energy,
         dissipated_friction, dissipated_rule, hold_leak (J, at the end), balance_error (J; work_in recomputed here
         from forces and positions, against the accounts), force_max_seen (N), depth_max_seen (m),
         status (sentence: ticks).
 
     Raises:
-        InputError: a file is missing, a column is missing or not finite, or `dt` is not positive.
+        InputError: a file is missing or no table of numbers, a column is missing or has not one usable row.
     """
     from palpate.runtime import Config, Field, RuntimeFailure, Session
 
@@ -106,7 +110,7 @@ def replay(
         "trace": str(trace),
         "out": None if out is None else str(out),
         "ticks": len(r),
-        "seconds": float(np.sum(table["dt"])),
+        "seconds": float(np.sum(table["dt"], where=_usable("dt", table["dt"]))),
         **{name: float(r[-1][name]) for name in ENERGIES},
         "balance_error": _balance_error(r),
         "force_max_seen": float(np.linalg.norm(r["force"], axis=1).max()),
@@ -152,19 +156,20 @@ def read_trace(path: Path) -> dict[str, np.ndarray]:
     if problems:
         raise InputError(problems)
     if "dt" not in table:
-        steps = np.diff(table["time"])
-        table["dt"] = np.concatenate([steps[:1] if len(steps) else [1e-3], steps])
+        table["dt"] = _steps(table["time"])
     lengths = {name: np.shape(column) for name, column in table.items()}
     if len(set(lengths.values())) != 1 or len(lengths["x"]) != 1 or lengths["x"][0] == 0:
         raise InputError(InputProblem(str(path), "", str(lengths)[:80], "differ in length", "equal columns"))
-    for name, column in table.items():
-        bad = ~np.isfinite(column) if name != "dt" else ~(np.isfinite(column) & (column > 0))
-        if bad.any():
-            row = int(np.argmax(bad))
-            right = "s above 0; rising times" if name == "dt" else "finite numbers"
-            raise InputError(
-                InputProblem(str(path), f"{name}, row {row}", float(column[row]), "is not usable", right)
-            )
+    problems = [
+        InputProblem(str(path), name, float(table[name][0]), "has not one usable row", right)
+        for name, right in (
+            *((axis, "finite numbers, m") for axis in "xyz"),
+            ("dt", "s above 0; rising times"),
+        )
+        if not _usable(name, table[name]).any()
+    ]
+    if problems:
+        raise InputError(problems)
     return table
 
 
@@ -175,6 +180,19 @@ def write_trace(path: Path, table: dict[str, np.ndarray]) -> None:
         return
     columns = np.stack([np.asarray(column, dtype=np.float64) for column in table.values()], axis=1)
     np.savetxt(path, columns, fmt="%.17g", delimiter=",", header=",".join(table), comments="")
+
+
+def _usable(name: str, column: np.ndarray) -> np.ndarray:
+    return np.isfinite(column) & (column > 0) if name == "dt" else np.isfinite(column)
+
+
+def _steps(time: np.ndarray) -> np.ndarray:
+    """s since the last tick with a finite time; the first one gets the second one's, a tick without a time nan."""
+    dt = np.full(np.shape(time), np.nan)
+    known = np.flatnonzero(np.isfinite(time))
+    steps = np.diff(time[known])
+    dt[known] = np.concatenate([steps[:1] if len(steps) else [1e-3], steps])[: len(known)]
+    return dt
 
 
 def _missing(path: Path, name: str) -> InputProblem:

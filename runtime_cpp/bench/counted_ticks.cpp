@@ -10,11 +10,11 @@
 
 using namespace palpate_bench_paths;
 
-#if defined(__GNUC__)
-__attribute__((noinline))
-#endif
-extern "C" std::uint32_t counted_tick(palpate_session* session, const palpate_tool_state* state, palpate_tool_response* response) {
+extern "C" {
+// Found by its name in this program, so it must be a function of its own.
+__attribute__((noinline)) std::uint32_t counted_tick(palpate_session* session, const palpate_tool_state* state, palpate_tool_response* response) {
     return palpate_tick(session, state, response);
+}
 }
 
 int main(int count, char** arguments) {

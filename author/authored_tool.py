@@ -8,8 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.organ_stage import OrganMesh
+from palpate.author.painted_friction import friction_at
 from palpate.author.sampling import ReachSamples
 from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support
 from palpate.author.tool_family import common_samples
@@ -36,10 +39,11 @@ class AuthoredTool:
     shape: ToolShape
     samples: ReachSamples
 
-    @property
-    def friction(self) -> float:
-        """Coulomb coefficient; 0 without the effect."""
-        return (self.scene["tool"].get("friction") or 0.0) if "friction" in self.scene["effects"] else 0.0
+    def friction(self, points: np.ndarray) -> np.ndarray:
+        """Coulomb coefficient (n,) at points (n, 3) m; 0 without the effect."""
+        scene = self.scene
+        at = friction_at(scene["effects"], scene["tool"].get("friction"), self.mesh, points)
+        return np.zeros(len(points)) if at is None else at
 
 
 def authored_tool(asset: Path, tool: str | None = None) -> AuthoredTool:
@@ -85,4 +89,5 @@ def _mesh(organ: OrganGeometry, field: ResponseField) -> OrganMesh:
         organ.provenance,
         field.provenance["organ"],
         Capsule.model_validate(scene["capsule"]) if scene.get("capsule") else None,
+        organ.paint,
     )

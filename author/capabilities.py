@@ -27,6 +27,8 @@ CAPABILITIES: dict[str, Any] = {
     "regions": True,
     "capsule": True,
     "painted stiffness": False,
+    "painted friction": True,
+    "painted reach": True,
     "support kinds": ("fixed", "elastic"),
     "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule", "mesh"),
     "several radii of a tool": ("sphere",),
@@ -88,7 +90,15 @@ def _organ(organ: Organ) -> Iterator[Unsupported]:
         if CAPABILITIES["capsule"]:
             yield from _material("organ.capsule.material", organ.capsule.material)
     if organ.paint is not None:
-        yield from _switch("organ.paint", organ.paint.stiffness_scale, "painted stiffness", "one material")
+        paint = organ.paint
+        if paint.stiffness_scale is not None:
+            yield from _switch(
+                "organ.paint.stiffness_scale", paint.stiffness_scale, "painted stiffness", "one material"
+            )
+        if paint.friction is not None:
+            yield from _switch("organ.paint.friction", paint.friction, "painted friction", "tool.friction")
+        if paint.reach is not None:
+            yield from _switch("organ.paint.reach", paint.reach, "painted reach", "[reach]")
     for i, support in enumerate(organ.support):
         yield from _place(f"organ.support[{i}]", support)
         yield from _one_of(f"organ.support[{i}].kind", support.kind, "support kinds", "the support kind")

@@ -63,7 +63,7 @@ class FamilyWork(ToolWork):
         super().__init__(self._members[-1][0], mesh, self._members[-1][1], samples)
 
     def _held_out(self, points: np.ndarray) -> list[PressJob]:
-        return family_held_out(points, self._radii, self._friction, TRUTH, self.seed)
+        return family_held_out(points, self._radii, self._friction(points), TRUTH, self.seed)
 
     @property
     def presses_at_most(self) -> int:
@@ -107,7 +107,10 @@ class FamilyWork(ToolWork):
                 self._beside[self._at(outcome.job.contact_point, i)] for i in range(len(self._members) - 1)
             ]
             outcomes = [*beside, outcome]
-            read = [press_arrays(*member, one) for member, one in zip(self._members, outcomes, strict=True)]
+            read = [
+                press_arrays(*member, one, self._mesh)
+                for member, one in zip(self._members, outcomes, strict=True)
+            ]
             for (_, reason), one in zip(read, outcomes, strict=True):
                 if reason:
                     point = list(one.job.contact_point)

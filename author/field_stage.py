@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.organ_stage import OrganMesh
+from palpate.author.painted_friction import friction_at
 from palpate.author.press_jobs import PressOutcome
 from palpate.author.radii import members_of
 from palpate.author.sampling import ReachSamples
@@ -88,9 +89,16 @@ def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
     )
 
 
-def press_arrays(scene: Scene, tool: Tool, outcome: PressOutcome) -> tuple[PressArrays | None, str]:
-    """A press as the field takes it, None where it cannot become a node; and what went wrong with it, in words."""
-    friction = (tool.friction or 0.0) if "friction" in scene.effects else None
+def press_arrays(
+    scene: Scene, tool: Tool, outcome: PressOutcome, mesh: OrganMesh | None = None
+) -> tuple[PressArrays | None, str]:
+    """A press as the field takes it, None where it cannot become a node; and what went wrong with it, in words.
+
+    Args:
+        mesh: the organ, whose paint may give the friction.
+    """
+    at = friction_at(scene.effects, tool.friction, mesh, np.array([outcome.job.contact_point]))
+    friction = None if at is None else float(at[0])
     if len(outcome.arrays["depth"]) < 2:
         return None, outcome.values["reason"]
     press = _arrays(outcome, friction)
@@ -116,7 +124,7 @@ def field_of(
     """The field of one tool, and the presses that could not become nodes, each with its reason."""
     usable, failures = [], []
     for outcome in outcomes:
-        press, reason = press_arrays(scene, tool, outcome)
+        press, reason = press_arrays(scene, tool, outcome, mesh)
         if press is not None:
             usable.append(press)
         if reason:

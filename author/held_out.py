@@ -48,31 +48,29 @@ def held_out_jobs(
     points: np.ndarray,
     tool: ToolShape,
     depths: np.ndarray,
-    friction: float,
+    friction: float | np.ndarray,
     fidelity: str,
     seed: int,
     dragged: int = 0,
 ) -> list[PressJob]:
-    """Jobs at points (n, 3) m; with friction, each sticks and moves aside at half and full depth.
+    """Jobs at points (n, 3) m; where there is friction, each sticks and moves aside at half and full depth.
 
     Args:
+        friction: Coulomb coefficient, one for all or (n,).
         dragged: the tool is dragged both ways, at full depth, at so many of them (count); not without friction.
     """
     generator = np.random.default_rng(seed + 1_000_003)
     jobs = []
-    for point in points:
+    for point, mu in zip(points, np.broadcast_to(friction, len(points)).tolist(), strict=True):
         angles = generator.uniform(0.0, 2.0 * np.pi, 2)
         last = len(depths) - 1
         moves = (
             (((last // 4) * 2 + 1, REACHED, float(angles[0])), (last, REACHED, float(angles[1])))
-            if friction
+            if mu
             else ()
         )
-        jobs.append(
-            PressJob(tuple(map(float, point)), tool, tuple(map(float, depths)), fidelity, moves, friction)
-        )
-    if friction:
-        jobs[:dragged] = [replace(job, drag=job.depths[-1:]) for job in jobs[:dragged]]
+        jobs.append(PressJob(tuple(map(float, point)), tool, tuple(map(float, depths)), fidelity, moves, mu))
+    jobs[:dragged] = [replace(job, drag=job.depths[-1:]) if job.friction else job for job in jobs[:dragged]]
     return jobs
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.errors import InputError
+from palpate.author.paint import REACHED, SurfacePaint
 from palpate.author.place import Place
 from palpate.author.scene import Scene
 
@@ -76,9 +77,13 @@ class OrganSummary:
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2.0
 
-    def share_within(self, place: Place) -> float:
-        """Share of the surface's area that lies in `place`, to about 1 %."""
-        return float(place.contains(self.surface_points[len(self.vertices) :]).mean())
+    def share_within(self, place: Place, paint: SurfacePaint | None = None) -> float:
+        """Share of the surface's area that lies in `place`, and where `paint` lets a tool touch, to about 1 %."""
+        points = self.surface_points[len(self.vertices) :]
+        inside = place.contains(points)
+        if paint is not None and "reach" in paint.values:
+            inside = inside & (paint.at(points)["reach"] >= REACHED)
+        return float(inside.mean())
 
 
 def check_against_organ(scene: Scene, organ: OrganSummary) -> None:

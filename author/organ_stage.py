@@ -9,7 +9,7 @@ the first mesh stays the mesh.
 from __future__ import annotations
 
 import hashlib
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -19,6 +19,7 @@ from palpate.author.errors import InputError
 from palpate.author.material_range import refuse_unstable_materials
 from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts
+from palpate.author.paint import REACHED, read_paint
 from palpate.author.plan import planned_mesh_size
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Capsule, Material, Region, Support
@@ -46,6 +47,7 @@ class OrganMesh:
         material, supports, regions, capsule: the scene's tables.
         report: surface and mesh reports, JSON-clean.
         hash: hex digest of mesh, materials, capsule and supports; every press depends on it.
+        paint: painted scalars by kind (paint.py), (V,) at the vertices.
     """
 
     vertices: np.ndarray
@@ -59,6 +61,19 @@ class OrganMesh:
     report: dict[str, Any]
     hash: str
     capsule: Capsule | None = None
+    paint: dict[str, np.ndarray] = field(default_factory=dict)
+
+    def painted(self, kind: str, points: np.ndarray) -> np.ndarray | None:
+        """(n, 3) m -> (n,) at the closest points of the surface; None where nothing of that kind is painted."""
+        if kind not in self.paint:
+            return None
+        _, triangle, weight = self.distance.closest(points)
+        return np.sum(weight * self.paint[kind][self.triangles[triangle]], axis=1)
+
+    def reachable(self, points: np.ndarray) -> np.ndarray:
+        """(n, 3) m -> (n,) bool; where the paint lets a tool touch, everywhere without paint."""
+        painted = self.painted("reach", points)
+        return np.ones(len(points), bool) if painted is None else painted >= REACHED
 
     def held(self, points: np.ndarray) -> np.ndarray:
         """(n, 3) m -> (n,) bool; inside a fixed support."""
@@ -137,6 +152,7 @@ class OrganMesh:
             material=material_values(self.material) | self._capsule_values,
             region_materials={region.name: material_values(region.material) for region in self.regions},
             provenance={"surface": self.report["surface"], "mesh": self.report["mesh"]},
+            paint=self.paint,
         )
 
     @property
@@ -167,6 +183,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
             "version": 2,
         }
     )
+    paint = read_paint(scene)
     try:
         arrays, surface_report = store.kept("surface", surface_key, lambda: _repair(scene))
         vertices, triangles = arrays["vertices"], arrays["triangles"]
@@ -204,6 +221,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         {"surface": surface_report, "mesh": mesh_report},
         identity,
         table.capsule,
+        {} if paint is None else paint.at(vertices),
     )
     _refuse_idle_supports(scene, mesh)
     return mesh

@@ -21,6 +21,7 @@ from palpate.author.material_range import refuse_unstable_materials
 from palpate.author.memory import available_memory
 from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts, rough_summary
+from palpate.author.paint import read_paint
 from palpate.author.press_executor import core_count
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import EFFECTS, Tool
@@ -54,7 +55,8 @@ def plan(scene: Scene, workers: int | None = None) -> Answer:
     organ, taken_from = rough_summary(parts)
     check_against_organ(scene, organ)
     refuse_unstable_materials(scene)
-    reach_share = organ.share_within(scene.reach) if scene.reach.is_given else 1.0
+    paint = read_paint(scene)
+    reach_share = organ.share_within(scene.reach, paint) if scene.reach.is_given or paint else 1.0
     reach_area = reach_share * organ.area
     mesh_size = planned_mesh_size(scene, organ)
     tools = [_tool(scene, tool, reach_area) for tool in scene.tool]
@@ -79,6 +81,7 @@ def plan(scene: Scene, workers: int | None = None) -> Answer:
             "supports": len(scene.organ.support),
             "regions": [region.name for region in scene.organ.region],
             "capsule": scene.organ.capsule.model_dump(exclude_none=True) if scene.organ.capsule else None,
+            "paint": sorted(paint.values) if paint else [],
             "material": scene.organ.material.model_dump(exclude_none=True),
             "shear_modulus": scene.organ.material.shear_modulus,
         },
@@ -153,6 +156,7 @@ def _summary(result: dict[str, Any]) -> str:
             if mesh["capsule"]
             else []
         ),
+        *([f"paint     {', '.join(mesh['paint'])}"] if mesh["paint"] else []),
         f"reach     {1e4 * reach['area']:.1f} cm2, {100 * reach['share']:.0f} % of the surface",
         *(f"stored    {what}" for what in result["stored"].values()),
         f"left out  {', '.join(result['not_modelled']) or 'nothing'}",

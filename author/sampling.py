@@ -82,7 +82,7 @@ def reach_samples(
     spacing = max(min(spacing, longest), np.sqrt(total / 60_000))
     points = _spread_over(corners[chosen], area[chosen], spacing)
     points, normals = mesh.distance.project(points)
-    keep = reach.contains(points) & ~mesh.supported(points)
+    keep = reach.contains(points) & ~mesh.supported(points) & mesh.reachable(points)
     points, normals = points[keep], normals[keep]
     reasons = {}
     q = points + offset * normals

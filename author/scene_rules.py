@@ -68,11 +68,14 @@ def broken_rules(tables: Mapping[str, Any]) -> Iterator[Broken]:
             "leaves out the response that the others need",
             '"response"',
         )
+    painted = organ.paint.friction if organ is not None and organ.paint is not None else None
     if organ is not None:
         yield from _organ(organ)
+    if painted is not None:
+        yield from _painted_friction(painted, head, tools)
     if reach is not None:
         yield from _one_place("reach", reach, needed=False)
-    yield from _tools(tools, head, reach)
+    yield from _tools(tools, head, reach, painted is not None)
     if isinstance(tables.get("accuracy"), Accuracy):
         yield from _accuracy(tables["accuracy"])
     if device is not None:
@@ -101,8 +104,8 @@ def _organ(organ: Organ) -> Iterator[Broken]:
             yield f"{key}.stiffness", None, "is missing", 'the stiffness of the support, such as "2 kPa/mm"'
         if support.kind == "fixed" and support.stiffness is not None:
             yield f"{key}.stiffness", support.stiffness, "is not used by a fixed support", 'kind = "elastic"'
-    if organ.paint is not None and organ.paint.stiffness_scale is None:
-        yield "organ.paint", None, "paints nothing", "stiffness_scale"
+    if organ.paint is not None and not organ.paint.model_dump(exclude_none=True):
+        yield "organ.paint", None, "paints nothing", "stiffness_scale, friction or reach"
 
 
 def _one_place(key: str, place: Place, needed: bool = True) -> Iterator[Broken]:
@@ -152,7 +155,10 @@ def _material(key: str, material: Material) -> Iterator[Broken]:
             yield f"{key}.alpha", list(material.alpha), "has a zero exponent", "numbers that are not 0"
 
 
-def _tools(tools: Mapping[int, Tool], head: SceneHead | None, reach: Reach | None) -> Iterator[Broken]:
+def _tools(
+    tools: Mapping[int, Tool], head: SceneHead | None, reach: Reach | None, painted: bool
+) -> Iterator[Broken]:
+    """`painted`: the organ's paint gives the friction."""
     names: dict[str, int] = {}
     for i, tool in tools.items():
         key = f"tool[{i}]"
@@ -178,7 +184,7 @@ def _tools(tools: Mapping[int, Tool], head: SceneHead | None, reach: Reach | Non
                 "is not a rising list",
                 "each radius once, smallest first",
             )
-        if head is not None and "friction" in head.effects and tool.friction is None:
+        if head is not None and "friction" in head.effects and tool.friction is None and not painted:
             yield (
                 f"{key}.friction",
                 None,
@@ -199,6 +205,20 @@ def _tools(tools: Mapping[int, Tool], head: SceneHead | None, reach: Reach | Non
                     f'is more than {DEPTH_OVER_RADIUS:g} radii of tool "{tool.name}" (m)',
                     f"at most {limit:g} m, or another unit",
                 )
+
+
+def _painted_friction(name: str, head: SceneHead | None, tools: Mapping[int, Tool]) -> Iterator[Broken]:
+    if head is not None and "friction" not in head.effects:
+        yield (
+            "organ.paint.friction",
+            name,
+            "paints what scene.effects leaves out",
+            'the effect "friction", or no paint',
+        )
+    for i, tool in tools.items():
+        if tool.friction is not None:
+            what = f'contradicts organ.paint.friction, "{name}", which is the coefficient of every tool'
+            yield f"tool[{i}].friction", tool.friction, what, "one of the two"
 
 
 def _accuracy(accuracy: Accuracy) -> Iterator[Broken]:

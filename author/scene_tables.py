@@ -156,6 +156,14 @@ class Paint(Table):
     stiffness_scale: str | None = Field(
         default=None, min_length=1, description="name of the vertex attribute that scales stiffness"
     )
+    friction: str | None = Field(
+        default=None, min_length=1, description="name of the vertex attribute that is the Coulomb coefficient"
+    )
+    reach: str | None = Field(
+        default=None,
+        min_length=1,
+        description="name of the vertex attribute that is 1 where a tool may touch and 0 where not",
+    )
 
 
 class Organ(Table):

@@ -88,7 +88,7 @@ def judged_radii(radii: Sequence[float], depths: Sequence[float]) -> list[Family
 def family_held_out(
     points: np.ndarray,
     judged: Sequence[FamilyRadius],
-    friction: float,
+    friction: float | np.ndarray,
     fidelity: str,
     seed: int,
     drag: int = 0,

@@ -21,6 +21,7 @@ from palpate.author.held_out import held_out_jobs, judgement
 from palpate.author.mechanics import mechanics_version
 from palpate.author.node_rounds import NodeRounds
 from palpate.author.organ_stage import OrganMesh
+from palpate.author.painted_friction import friction_at
 from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.sampling import ReachSamples, held_out_points, reach_samples
 from palpate.author.sampling_by_error import SamplingByError
@@ -102,7 +103,7 @@ class ToolWork:
         self.rounds = NodeRounds(
             seeds[: self.most],
             lambda i: self._job(places.position[i], scene.accuracy.fidelity),
-            lambda outcome: press_arrays(scene, self.tool, outcome)[0],
+            lambda outcome: press_arrays(scene, self.tool, outcome, self._mesh)[0],
             sampling,
             knots_of(scene, self.tool),
             width,
@@ -123,12 +124,15 @@ class ToolWork:
         """Of nodes and of what judges."""
         return self.most + len(self.held_jobs) + len(self.near_jobs)
 
-    @property
-    def _friction(self) -> float:
-        return (self.tool.friction or 0.0) if "friction" in self._scene.effects else 0.0
+    def _friction(self, points: np.ndarray) -> np.ndarray:
+        """(n,) at points (n, 3) m."""
+        at = friction_at(self._scene.effects, self.tool.friction, self._mesh, points)
+        return np.zeros(len(points)) if at is None else at
 
     def _held_out(self, points: np.ndarray) -> list[PressJob]:
-        return held_out_jobs(points, self.shape, ladder(self.depth_max), self._friction, TRUTH, self.seed)
+        return held_out_jobs(
+            points, self.shape, ladder(self.depth_max), self._friction(points), TRUTH, self.seed
+        )
 
     def _job(self, point: np.ndarray, fidelity: str) -> PressJob:
         depths = tuple(map(float, ladder(self.depth_max)))
@@ -160,6 +164,7 @@ class ToolWork:
                 "region": [r.model_dump(mode="json", exclude_none=True) for r in scene.organ.region],
                 "reach": scene.reach.model_dump(mode="json", exclude_none=True),
                 "material": scene.organ.material.model_dump(mode="json", exclude_none=True),
+                "paint": scene.organ.paint and scene.organ.paint.model_dump(exclude_none=True),
                 "capsule": scene.organ.capsule
                 and scene.organ.capsule.model_dump(mode="json", exclude_none=True),
                 "tool": tool.model_dump(mode="json", exclude_none=True),

@@ -69,12 +69,13 @@ def validate(
                 InputProblem(str(asset), "--within", within, what, "a ball that meets the reach")
             )
     chosen = samples.points[held_out_points(samples, points, seed)]
+    friction = authored.friction(chosen)
     radii = _judged(field, radius)
     if radii:
-        jobs = family_held_out(chosen, radii, authored.friction, TRUTH, seed, drag)
+        jobs = family_held_out(chosen, radii, friction, TRUTH, seed, drag)
     else:
         depths = ladder(field.depth_max)
-        jobs = held_out_jobs(chosen, authored.shape, depths, authored.friction, TRUTH, seed, drag)
+        jobs = held_out_jobs(chosen, authored.shape, depths, friction, TRUTH, seed, drag)
     folder = asset if asset.is_dir() else asset.parent
     with tempfile.TemporaryDirectory() as scratch:
         work = folder / "work"

@@ -18,6 +18,9 @@ from palpate.fields.field_error import FieldError
 
 __all__ = ["OrganGeometry", "Support", "check_organ", "organ_hash"]
 
+PAINTS = ("stiffness_scale", "friction", "reach")
+"""Kinds of paint."""
+
 
 @dataclass(frozen=True)
 class Support:
@@ -55,6 +58,7 @@ class OrganGeometry:
         material: the organ's material as JSON-clean data, SI ({"model": ..., "youngs_modulus": Pa, ...}).
         region_materials: the materials of regions that have their own, by name.
         provenance: hashes and sources of the surface, JSON-clean.
+        paint: scalars painted on the surface by kind ("friction", "reach", "stiffness_scale"), (V,) at its vertices.
     """
 
     name: str
@@ -69,6 +73,7 @@ class OrganGeometry:
     material: dict[str, Any]
     region_materials: dict[str, dict[str, Any]] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
+    paint: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 def organ_hash(organ: OrganGeometry) -> str:
@@ -92,6 +97,9 @@ def organ_hash(organ: OrganGeometry) -> str:
     words = [organ.region_names, organ.material, organ.region_materials]
     words.append([(s.name, s.kind, float(s.stiffness)) for s in organ.supports])
     digest.update(json.dumps(words, sort_keys=True).encode())
+    for kind in sorted(organ.paint):
+        digest.update(kind.encode())
+        add(organ.paint[kind], "<f8")
     return digest.hexdigest()
 
 
@@ -111,6 +119,14 @@ def check_organ(organ: OrganGeometry) -> None:
     triangle_count, tet_count = len(organ.triangles), len(organ.tet_indices)
     _check_indices(organ, "reach_triangles", organ.reach_triangles, (None,), triangle_count)
     _check_indices(organ, "region_label", organ.region_label, (tet_count,), len(organ.region_names))
+    for kind, values in organ.paint.items():
+        if kind not in PAINTS:
+            raise FieldError(f"organ {organ.name}: paint {kind!r}; one of {list(PAINTS)} is right")
+        if np.shape(values) != (vertex_count,) or not np.isfinite(values).all():
+            raise FieldError(
+                f"organ {organ.name}: paint {kind!r} has shape {np.shape(values)} or is not finite; "
+                f"({vertex_count},) finite numbers are right"
+            )
     names = [support.name for support in organ.supports]
     for kind, words in (("support", names), ("region", list(organ.region_names))):
         if len(set(words)) != len(words) or "" in words:

@@ -25,6 +25,7 @@ __all__ = [
     "UNITS",
     "author",
     "author_schema",
+    "author_some",
     "check_units",
     "child",
     "json_text",
@@ -82,11 +83,18 @@ def author_schema(prim: Sdf.PrimSpec, api: str, values: Mapping[str, Any], eleme
 
     Primvars of one value an element are indexed where values repeat, as USD would have it; per-knot ones never are.
     """
-    rows = APIS[api].attributes
-    if set(values) != set(rows):
-        raise KeyError(f"{api}: {sorted(set(values) ^ set(rows))}")
+    missing = set(values) ^ set(APIS[api].attributes)
+    if missing:
+        raise KeyError(f"{api}: {sorted(missing)}")
+    author_some(prim, api, values, element_size)
+
+
+def author_some(prim: Sdf.PrimSpec, api: str, values: Mapping[str, Any], element_size: int = 1) -> None:
+    """As author_schema, for an API whose attributes may be absent."""
     apply_apis(prim, [api])
-    for member, row in rows.items():
+    for member, row in APIS[api].attributes.items():
+        if member not in values:
+            continue
         metadata: dict[str, Any] = {"customData": {"unit": row.unit}}
         if row.is_primvar:
             metadata["interpolation"] = "vertex"

@@ -24,12 +24,15 @@ from palpate.fields.usd_layer import (
     apply_apis,
     author,
     author_schema,
+    author_some,
     child,
     json_text,
     new_layer,
     prim_name,
+    read_attribute,
     schema_values,
 )
+from palpate.fields.usd_schema.attributes import APIS
 
 __all__ = ["exact_points", "organ_from_prim", "organ_layer", "point_attributes"]
 
@@ -100,9 +103,21 @@ def organ_from_prim(root: Usd.Prim) -> OrganGeometry:
         material=json.loads(values["material"]),
         region_materials={r["name"]: json.loads(r["material"]) for r in regions if r["material"]},
         provenance=json.loads(values["provenance"]),
+        paint=_paint(surface),
     )
     check_organ(organ)
     return organ
+
+
+def _paint(surface: Usd.Prim) -> dict[str, np.ndarray]:
+    if "PalpatePaintAPI" not in surface.GetPrimTypeInfo().GetAppliedAPISchemas():
+        return {}
+    rows = APIS["PalpatePaintAPI"].attributes
+    return {
+        kind: read_attribute(surface, row)
+        for kind, row in rows.items()
+        if surface.HasAttribute(row.name) and surface.GetAttribute(row.name).HasAuthoredValue()
+    }
 
 
 def point_attributes(prim: Sdf.PrimSpec, points: np.ndarray, width: float = 0.0) -> None:
@@ -145,6 +160,8 @@ def _surface(root: Sdf.PrimSpec, organ: OrganGeometry) -> None:
     colour[organ.reach_triangles] = 1
     for support in organ.supports:
         colour[support.triangle_indices] = 2
+    if organ.paint:
+        author_some(prim, "PalpatePaintAPI", organ.paint)
     shades = (TISSUE, REACHABLE, HELD)
     author(prim, "primvars:displayColor", "color3f[]", shades, interpolation="uniform")
     author(prim, "primvars:displayColor:indices", "int[]", colour)

@@ -106,6 +106,11 @@ def _element_counts(prim: Usd.Prim) -> Iterator[str]:
                     yield f"{row.name} has elementSize {primvar.GetElementSize()}; {size} is right"
                 if primvar.GetInterpolation() != UsdGeom.Tokens.vertex:
                     yield f"{row.name} is {primvar.GetInterpolation()}; vertex is right"
+    if _has(prim, "PalpatePaintAPI"):
+        vertices = len(UsdGeom.PointBased(prim).GetPointsAttr().Get() or ())
+        for row in APIS["PalpatePaintAPI"].attributes.values():
+            if prim.GetAttribute(row.name).HasAuthoredValue():
+                yield from _count(prim, row.name, vertices)
     if _has(prim, "PalpateLatticeAPI"):
         shape = _array(prim, "palpate:lattice:blockShape")
         yield from _count(prim, "palpate:lattice:blockIndex", int(np.prod(shape)))

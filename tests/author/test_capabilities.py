@@ -33,7 +33,13 @@ BEYOND: dict[str, tuple[str, tuple[str, str] | None, str]] = {
     ),
     "regions": (REGION + NEO_HOOKEAN, None, "organ.region[0]"),
     "capsule": ('[organ.capsule]\nthickness = "50 um"\n' + NEO_HOOKEAN, None, "organ.capsule"),
-    "painted stiffness": ('[organ.paint]\nstiffness_scale = "s"', None, "organ.paint"),
+    "painted stiffness": ('[organ.paint]\nstiffness_scale = "s"', None, "organ.paint.stiffness_scale"),
+    "painted friction": (
+        '[organ.paint]\nfriction = "f"',
+        ('name = "block"', 'name = "block"\neffects = ["response", "friction"]'),
+        "organ.paint.friction",
+    ),
+    "painted reach": ('[organ.paint]\nreach = "r"', None, "organ.paint.reach"),
     "support kinds": (
         "",
         ("[[organ.support]]", '[[organ.support]]\nkind = "elastic"\nstiffness = "2 kPa/mm"'),
@@ -101,7 +107,7 @@ def test_the_complete_scene_is_refused_for_everything_at_once(complete_scene: Pa
     unbuilt = {
         "organ.region[0]": "regions",
         "organ.capsule": "capsule",
-        "organ.paint": "painted stiffness",
+        "organ.paint.stiffness_scale": "painted stiffness",
         "accuracy.time_budget": "time budget",
         "device": "device",
     }

@@ -43,7 +43,7 @@ def made(tmp_path_factory):
         job = SimpleNamespace(contact_point=tuple(map(float, places[i])))
         return SimpleNamespace(job=job, key=f"{i:02d}" * 32, index=i)
 
-    def press_arrays(scene, tool, outcome):
+    def press_arrays(scene, tool, outcome, mesh):
         press = replace(ORGAN.press(places[outcome.index], rng), hash=outcome.key)
         if outcome.index == 3:
             return None, "the patch has no good mesh"

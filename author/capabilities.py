@@ -26,7 +26,7 @@ CAPABILITIES: dict[str, Any] = {
     "USD organ surfaces": False,
     "regions": True,
     "capsule": True,
-    "painted stiffness": False,
+    "painted stiffness": True,
     "painted friction": True,
     "painted reach": True,
     "support kinds": ("fixed", "elastic"),

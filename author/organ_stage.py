@@ -70,6 +70,11 @@ class OrganMesh:
         _, triangle, weight = self.distance.closest(points)
         return np.sum(weight * self.paint[kind][self.triangles[triangle]], axis=1)
 
+    def _stiffness_scale(self, points: np.ndarray) -> np.ndarray:
+        scale = self.painted("stiffness_scale", points)
+        assert scale is not None
+        return scale
+
     def reachable(self, points: np.ndarray) -> np.ndarray:
         """(n, 3) m -> (n,) bool; where the paint lets a tool touch, everywhere without paint."""
         painted = self.painted("reach", points)
@@ -120,6 +125,7 @@ class OrganMesh:
             self.label_at if self.regions else None,
             elastic=self.spring if any(s.kind == "elastic" for s in self.supports) else None,
             capsule=None if self.capsule is None else skin_of(self.capsule),
+            scale=self._stiffness_scale if "stiffness_scale" in self.paint else None,
         )
 
     def geometry(self, reach: np.ndarray) -> OrganGeometry:
@@ -199,8 +205,11 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
     except MeshError as error:
         key = "organ.mesh_size" if "mesh_size" in f"{error.where}" else "organ.surface"
         raise InputError(scene.problem(key, None, error.what, error.expected)) from error
+    painted = {} if paint is None else paint.at(vertices)
+    scale = painted.get("stiffness_scale")
     identity = digest(
         {
+            **({} if scale is None else {"stiffness_scale": hashlib.sha256(scale.tobytes()).hexdigest()}),
             "points": hashlib.sha256(tets["points"].tobytes() + tets["tets"].tobytes()).hexdigest(),
             "surface": hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest(),
             "material": table.material.hash_inputs(),
@@ -221,7 +230,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         {"surface": surface_report, "mesh": mesh_report},
         identity,
         table.capsule,
-        {} if paint is None else paint.at(vertices),
+        painted,
     )
     _refuse_idle_supports(scene, mesh)
     return mesh

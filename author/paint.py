@@ -4,7 +4,8 @@
 
     friction           the Coulomb coefficient itself, 0 to 2; no tool states one beside it
     reach              1 where a tool may touch, 0 where not; the border is at REACHED
-    stiffness_scale    times the material's stiffness, above 0
+    stiffness_scale    times the stiffness of the material below, through the whole thickness: tissue has the scale of
+                       the surface point that is closest to it; the capsule is not scaled
 
 A PLY keeps them as vertex properties, a GLB as custom attributes, whose names glTF begins with "_".  Repair moves and
 makes vertices: a painted value at any point is that at the closest point of the file's own surface, interpolated

@@ -65,6 +65,8 @@ class Organ:
             of the materials at SAMPLES, so that the border is where the scene says and not where the mesh is.
         capsule: membrane that covers the whole surface, or None.
         elastic: stiffness of elastic supports, (n, 3) m -> (n,) Pa/m, zero where there are none; None: nowhere.
+        scale: times the stored energy of whatever material is there, (n, 3) m -> (n,), above 0; None: 1.  A tetrahedron
+            has the mean over SAMPLES; the capsule is not scaled.
     """
 
     points: np.ndarray
@@ -77,6 +79,7 @@ class Organ:
     label_at: Callable[[np.ndarray], np.ndarray] | None = None
     capsule: Capsule | None = None
     elastic: Callable[[np.ndarray], np.ndarray] | None = None
+    scale: Callable[[np.ndarray], np.ndarray] | None = None
 
     @cached_property
     def space(self) -> QuadraticSpace:
@@ -134,13 +137,20 @@ class Organ:
         return tuple(self.material[k] for k in sorted(self.material))
 
     def fractions_of(self, points: np.ndarray, tets: np.ndarray, label: np.ndarray) -> np.ndarray:
-        """(T, M); share of each material in tetrahedra (T, 4) on points (P, 3) m with region labels (T,)."""
+        """(T, M); share of each material in tetrahedra (T, 4) on points (P, 3) m with region labels (T,).
+
+        Energies are linear in it, so it carries the scale: a row adds up to the tetrahedron's.
+        """
         share = np.eye(len(self.material))
-        if self.label_at is None or len(self.material) == 1:
+        whole = self.label_at is None or len(self.material) == 1
+        if whole and self.scale is None:
             return share[np.searchsorted(sorted(self.material), label)]
-        x = np.einsum("sk,tkj->tsj", SAMPLES, points[tets])
-        found = self.label_at(x.reshape(-1, 3)).reshape(len(tets), len(SAMPLES))
-        return share[np.searchsorted(sorted(self.material), found)].mean(axis=1)
+        x = np.einsum("sk,tkj->tsj", SAMPLES, points[tets]).reshape(-1, 3)
+        found = np.repeat(label, len(SAMPLES)) if whole or self.label_at is None else self.label_at(x)
+        parts = share[np.searchsorted(sorted(self.material), found)]
+        if self.scale is not None:
+            parts = parts * self.scale(x)[:, None]
+        return parts.reshape(len(tets), len(SAMPLES), -1).mean(axis=1)
 
     @cached_property
     def fractions(self) -> np.ndarray:

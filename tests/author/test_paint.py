@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from palpate.author.capabilities import require_capabilities
 from palpate.author.command_line import main
 from palpate.author.errors import InputError
 from palpate.author.field_stage import press_arrays
@@ -56,11 +57,12 @@ BOTH = 'friction = "palpate:friction"\nreach = "palpate:reach"'
 
 
 def block() -> trimesh.Trimesh:
-    """40 x 40 x 20 mm on z = 0, edges of 5 mm: friction 0.2 + 5 x / m, reach where x > -4 mm."""
+    """40 x 40 x 20 mm on z = 0, edges of 5 mm: friction 0.2 + 5 x / m, scale 2 + 20 x / m, reach where x > -4 mm."""
     made = trimesh.creation.box((0.04, 0.04, 0.02)).subdivide().subdivide().subdivide()
     made.apply_translation((0.0, 0.0, 0.01))
     x = made.vertices[:, 0]
     made.vertex_attributes["palpate:friction"] = (0.2 + 5.0 * x).astype("f4")
+    made.vertex_attributes["palpate:stiffness_scale"] = (2.0 + 20.0 * x).astype("f4")
     made.vertex_attributes["palpate:reach"] = (x > -4e-3).astype("f4")
     return made
 
@@ -132,6 +134,9 @@ def two_parts(second: float | None) -> trimesh.Scene:
 
 FRICTION = 'friction = "palpate:friction"'
 CONTRADICTIONS = {
+    "a stiffness of nothing": (lambda: changed("palpate:friction", at_three(0.0)), "organ.ply",
+                               'stiffness_scale = "palpate:friction"\n' + FRICTION,
+                               ["organ.paint.stiffness_scale", "is 0 at (", "0.001 to 1000"]),
     "a negative coefficient": (lambda: changed("palpate:friction", at_three(-0.1)), "organ.ply", BOTH,
                                ["organ.paint.friction", "is -0.1 at (", "0 to 2"]),
     "no number": (lambda: changed("palpate:friction", at_three(np.nan)), "organ.ply", BOTH,
@@ -240,6 +245,25 @@ def test_friction_and_reach_change_no_press(meshed):
     )
     assert bare.hash == mesh.hash and bare.painted("friction", mesh.vertices) is None
     assert bare.reachable(mesh.vertices).all() and not mesh.reachable(mesh.vertices).all()
+
+
+def test_painted_stiffness_goes_through_the_thickness_and_into_every_press_s_key(meshed):
+    scene, mesh = meshed
+    folder = scene.file.parent
+    text = (folder / "scene.toml").read_text()
+    (folder / "stiff.toml").write_text(
+        text.replace(BOTH, BOTH + '\nstiffness_scale = "palpate:stiffness_scale"')
+    )
+    stiff = load_scene(folder / "stiff.toml")
+    require_capabilities(stiff)
+    painted = mesh_organ(stiff, Store(folder / "work"))
+    assert np.array_equal(painted.tets, mesh.tets) and painted.hash != mesh.hash
+    middle = painted.points[painted.tets].mean(axis=1)
+    inner = np.abs(middle[:, :2]).max(axis=1) < 8e-3  # nearest to top or base, not to a side
+    assert inner.any()
+    found = painted.organ.fractions.sum(axis=1)
+    np.testing.assert_allclose(found[inner], 2.0 + 20.0 * middle[inner, 0], atol=0.03)
+    assert np.array_equal(mesh.organ.fractions.sum(axis=1), np.ones(len(mesh.tets)))
 
 
 def test_the_asset_keeps_the_paint(meshed, tmp_path):

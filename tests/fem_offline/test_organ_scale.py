@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""A scale of stiffness by place multiplies energies, whatever material is there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from palpate.fem_offline.material import NeoHookean
+from palpate.fem_offline.organ import Organ
+from palpate.fem_offline.verification.blocks import block_organ
+
+
+@pytest.fixture(scope="module")
+def organ() -> Organ:
+    """A small block, stiff where x > 4 mm, which is no face of its mesh."""
+    made = block_organ(
+        (0.05, 0.05, 0.03), (4, 4, 2), {0: NeoHookean(5400.0, 0.48), 1: NeoHookean(27e3, 0.45)}
+    )
+    return replace(made, label_at=lambda x: (x[:, 0] > 4e-3).astype(int))
+
+
+def test_an_even_scale_multiplies_the_stiffness_of_every_material(organ):
+    everything = np.ones(len(organ.tets), bool)
+    plain = organ.rest_stiffness(everything)
+    scaled = replace(organ, scale=lambda x: np.full(len(x), 3.0)).rest_stiffness(everything)
+    assert abs(scaled - 3.0 * plain).max() < 1e-12 * abs(scaled).max()
+
+
+def test_a_scale_of_one_changes_nothing(organ):
+    one = replace(organ, scale=lambda x: np.ones(len(x)))
+    np.testing.assert_allclose(one.fractions, organ.fractions, rtol=1e-14)
+    uniform = replace(organ, label_at=None)
+    np.testing.assert_allclose(
+        replace(uniform, scale=lambda x: np.ones(len(x))).fractions, uniform.fractions, rtol=1e-14
+    )
+
+
+def test_a_tetrahedron_has_the_mean_scale_of_its_inside_and_the_border_stays_where_it_is(organ):
+    sloped = replace(organ, scale=lambda x: 2.0 + 10.0 * x[:, 0])  # linear: its mean is its middle's
+    middle = organ.points[organ.tets].mean(axis=1)
+    np.testing.assert_allclose(sloped.fractions.sum(axis=1), 2.0 + 10.0 * middle[:, 0], rtol=1e-12)
+    whole = (organ.fractions == 1.0).any(axis=1)
+    share = sloped.fractions[whole] / sloped.fractions[whole].sum(axis=1, keepdims=True)
+    np.testing.assert_allclose(share, organ.fractions[whole], atol=1e-14)

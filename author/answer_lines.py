@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from math import degrees
 from typing import Any
 
 __all__ = ["author_lines", "certify_lines", "percentiles", "replay_lines", "two_contact_lines"]
@@ -18,6 +19,7 @@ def author_lines(result: dict[str, Any]) -> str:
         lines.append(f"{tool['name']}: {presses}, {size}; force error {percentiles(tool['force_error'])}")
         if family := tool.get("family"):
             lines += [f"{tool['name']}: {_of_radius(row)}" for row in family["radii"]]
+        lines += [f"{tool['name']}: {_of_way(row)}" for row in tool.get("ways", ())]
         if sampling := tool.get("sampling"):
             lines.append(
                 f"{tool['name']}: sampling ended: {sampling['ended']}{_estimated(sampling['rounds'])}"
@@ -30,6 +32,12 @@ def _of_radius(row: dict[str, Any]) -> str:
     how = "pressed" if row["pressed"] else "between pressed radii"
     error = percentiles(row["force_error"]) if row["force_error"] else "not known"
     return f"radius {1e3 * row['radius']:.4g} mm ({how}, {row['points']} points) force error {error}"
+
+
+def _of_way(row: dict[str, Any]) -> str:
+    how = "pressed" if row["pressed"] else "between pressed tilts"
+    error = percentiles(row["force_error"]) if row["force_error"] else "not known"
+    return f"tilted by {degrees(row['tilt']):.3g} deg ({how}, {row['points']} points) force error {error}"
 
 
 def _estimated(rounds: dict[str, Any]) -> str:

@@ -9,9 +9,9 @@ from pathlib import Path
 from palpate.author.capabilities import CAPABILITIES, require_capabilities
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.place import Sphere
-from palpate.author.radii import is_family, one_radius
 from palpate.author.scene import Scene, load_scene
 from palpate.author.scene_tables import Tool
+from palpate.author.tool_members import is_family, one_radius
 from palpate.author.units import QuantityError, quantity
 
 __all__ = [

@@ -13,9 +13,8 @@ import numpy as np
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.painted_friction import friction_at
-from palpate.author.sampling import ReachSamples
+from palpate.author.sampling import ReachSamples, common_samples
 from palpate.author.scene_tables import Capsule, Material, Reach, Region, Support
-from palpate.author.tool_family import common_samples
 from palpate.author.tool_stage import ToolShape, shape_of_reference
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import FamilyMember, ResponseField
@@ -30,7 +29,7 @@ class AuthoredTool:
     Attributes:
         scene: the part of the scene that the field was made from.
         shape: the tool; of a family the ball whose field this is.
-        samples: where it may be pressed, with every radius of a family.
+        samples: where it may be pressed, with every radius of a family and in every way of touching.
     """
 
     field: ResponseField
@@ -64,7 +63,7 @@ def authored_tool(asset: Path, tool: str | None = None) -> AuthoredTool:
         raise InputError(InputProblem(str(asset), "provenance", None, "names no scene", "an authored asset"))
     scene = field.provenance["scene"]
     mesh = _mesh(read_organ(asset), field)
-    members = field.family or (FamilyMember(field.tool, field.nodes),)
+    members = field.family or (FamilyMember(field.tool, field.nodes), *field.ways)
     samples = common_samples(
         mesh,
         Reach.model_validate(scene["reach"]),

@@ -33,6 +33,7 @@ CAPABILITIES: dict[str, Any] = {
     "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule", "mesh"),
     "several radii of a tool": ("sphere",),
     "several tilts of a tool": False,
+    "most tilts of a tool": 4,
     "depth over tool radius": 1.2,
     "responses": ("potential",),
     "fidelities": ("linear", "near_field", "full"),
@@ -122,6 +123,9 @@ def _tool(key: str, tool: Tool, scene: Scene) -> Iterator[Unsupported]:
         yield f"{key}.radius", list(tool.radius), f"several radii of a {tool.shape}", supported
     if tool.tilt is not None and len(tool.tilt) > 1:
         yield from _switch(f"{key}.tilt", list(tool.tilt), "several tilts of a tool", "one tilt")
+        most = CAPABILITIES["most tilts of a tool"]
+        if len(tool.tilt) > most:
+            yield f"{key}.tilt", list(tool.tilt), f"{len(tool.tilt)} tilts of a tool", f"at most {most}"
     if tool.radius:
         ratio = CAPABILITIES["depth over tool radius"]
         limit = ratio * max(tool.radius)  # of several radii each presses to its own share

@@ -12,10 +12,10 @@ import numpy as np
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.painted_friction import friction_at
 from palpate.author.press_jobs import PressOutcome
-from palpate.author.radii import members_of
 from palpate.author.sampling import ReachSamples
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
+from palpate.author.tool_members import members_of
 from palpate.author.tool_stage import offset_of, reference_of, shape_of
 from palpate.fem_offline.pose import tangents
 from palpate.fields.as_cooked import as_cooked, rounded_geometry

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fresh presses against the real runtime: what a hand would feel where nobody pressed.
 
-For each held-out press the runtime's session is moved as the tool was: from free space straight down to every depth
-of the ladder without friction, and, in a second session with the field's friction, down and then aside as the
-sticking press went.  Errors are relative to the FEM normal force at that depth:
+For each held-out press the runtime's session is moved as the tool was, held as it was: from free space straight down to
+every depth of the ladder without friction, and, in a second session with the field's friction, down and then aside as
+the sticking press went.  Errors are relative to the FEM normal force at that depth:
 
     force error    |f_n(tick) - f_n(FEM)| / f_n(FEM)
     lateral error  |f_t(tick) - f_t(FEM)| / f_n(FEM)         frictionless push along the surface
@@ -21,9 +21,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.tool_stage import ToolShape
+from palpate.fem_offline.pose import tilted
 from palpate.runtime import Config, Field, Session
 
 __all__ = ["FLOOR", "held_out_jobs", "judgement", "judgement_of", "percentiles", "press_judgements"]
@@ -79,13 +81,17 @@ def _line(start: np.ndarray, end: np.ndarray) -> np.ndarray:
     return start + np.linspace(0.0, 1.0, count + 1)[1:, None] * (end - start)
 
 
-def _render(field: Field, friction: float | None, legs: Sequence[np.ndarray]) -> _Rendered:
-    """Force and status at the end of each leg of a path, the first leg's start included in it."""
+def _render(field: Field, friction: float | None, legs: Sequence[np.ndarray], held: np.ndarray) -> _Rendered:
+    """Force and status at the end of each leg of a path, the first leg's start included in it.
+
+    held: (4,) x y z w, how the tool is held all along.
+    """
     session = Session(field, Config(friction_coefficient=friction))
-    session.tick(legs[0])
+    session.tick(legs[0], orientation=held)
     here, forces, status = legs[0], [], []
     for leg in legs[1:]:
-        response = session.tick_batch(_line(here, leg))
+        line = _line(here, leg)
+        response = session.tick_batch(line, orientations=np.tile(held, (len(line), 1)))
         forces.append(response["force"][-1].copy())
         status.append(int(np.bitwise_or.reduce(response["status"])))
         here = leg
@@ -111,7 +117,8 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
     depth, fem = a["depth"][1:], a["force_vector"][1:]
     at = lambda d: c + (offset - d) * n  # noqa: E731
     start = c + (offset + APPROACH) * n
-    rendered = _render(field, 0.0, [start, *[at(d) for d in depth]])
+    held = Rotation.from_matrix(tilted(n, outcome.job.tool.tilt)).as_quat()
+    rendered = _render(field, 0.0, [start, *[at(d) for d in depth]], held)
     fem_normal = fem @ n
     judged = fem_normal >= FLOOR * fem_normal[-1]
     normal_error = np.abs(rendered.force @ n - fem_normal) / np.abs(fem_normal)
@@ -120,7 +127,7 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
     for ladder in v["lateral"]:
         d, move = ladder["depth"], np.array(ladder["deflection"])[-1]
         fem_stuck = np.array(ladder["force_vector"])[-1]
-        stuck = _render(field, None, [start, at(d), at(d) + move])
+        stuck = _render(field, None, [start, at(d), at(d) + move], held)
         miss = stuck.force[-1] - fem_stuck
         scale = float(np.array(ladder["force_vector"])[0] @ n)
         row["moves"].append(
@@ -133,7 +140,7 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
             }
         )
     row["slides"] = [
-        _slide(field, start, c, n, offset, path) for path in (v.get("drag") or {}).get("paths", ())
+        _slide(field, start, c, n, offset, path, held) for path in (v.get("drag") or {}).get("paths", ())
     ]
     mask = lambda values: [float(x) if ok else None for x, ok in zip(values, judged, strict=True)]  # noqa: E731
     return {
@@ -149,13 +156,19 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
 
 
 def _slide(
-    field: Field, start: np.ndarray, c: np.ndarray, n: np.ndarray, offset: float, path: dict[str, Any]
+    field: Field,
+    start: np.ndarray,
+    c: np.ndarray,
+    n: np.ndarray,
+    offset: float,
+    path: dict[str, Any],
+    held: np.ndarray,
 ) -> dict[str, Any]:
-    """One drag of finite elements, and the same way in the runtime."""
+    """One drag of finite elements, and the same way in the runtime; `held` as `_render` has it."""
     here = c + (offset - path["depth"]) * n
     there = here + path["way"][-1] * np.array(path["direction"])
     fem = np.array(path["force_vector"][-1])
-    rendered = _render(field, None, [start, here, there]).force[-1]
+    rendered = _render(field, None, [start, here, there], held).force[-1]
     return {
         "depth": path["depth"],
         "move": (there - here).tolist(),

@@ -127,6 +127,7 @@ def _tool(field: Any) -> dict[str, Any]:
             for member in field.family
         ],
         "hash": tool.hash,
+        "tilts": [tool.tilt, *(way.tool.tilt for way in field.ways)],
         "nodes": nodes.node_count,
         "pressed": int(nodes.pressed.sum()),
         "extrapolated": int(np.sum(nodes.depth_reached < FULL_DEPTH * field.depth_max)),

@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from palpate.author.errors import InputError
-from palpate.author.radii import members_of
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Material
 from palpate.author.solid import solid_of
+from palpate.author.tool_members import members_of
 
 __all__ = ["refuse_unstable_materials", "stretch_range"]
 

@@ -22,7 +22,7 @@ from palpate.author.batch_executor import (
     threads_by_process,
 )
 from palpate.author.errors import InputError
-from palpate.author.family_work import work_of
+from palpate.author.family_work import FamilyWork
 from palpate.author.field_stage import contact_geometry_of
 from palpate.author.haptic_device import scene_device
 from palpate.author.one_tool import asset_geometry, chosen_tools, with_other_tools
@@ -34,10 +34,13 @@ from palpate.author.press_rate import PressRate
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import ReachSamples, reach_samples
 from palpate.author.scene import Scene
+from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
+from palpate.author.tool_members import is_family, is_tilted
 from palpate.author.tool_stage import shape_of
 from palpate.author.tool_work import ToolWork, versions
+from palpate.author.ways_work import WaysWork
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ContactGeometry
 
@@ -93,7 +96,7 @@ def author(
             executor = stack.enter_context(_cluster(scheduler, progress))
         stages.begin("surface and tetrahedra")
         mesh = mesh_organ(scene, store)
-        tools = [work_of(scene, mesh, tool) for tool in chosen]
+        tools = [_work(scene, mesh, tool) for tool in chosen]
         samples = _reach(scene, mesh, tools)
         organ = _organ(mesh, samples)
         known = asset_geometry(scene, chosen[0], organ, out) if tool else None
@@ -125,7 +128,7 @@ def author(
             stuck_error=judged["stuck_error"],
             far_field_error=judged["far_field_error"],
             met=judged["met"],
-            **({"family": judged["family"]} if "family" in judged else {}),
+            **{key: judged[key] for key in ("family", "ways") if key in judged},
             sampling=work.rounds.sampling.report(),
         )
 
@@ -247,6 +250,11 @@ class _Stages:
         if self._name:
             self.rows.append({"name": self._name, "seconds": time.perf_counter() - self._begun})
         self._name = ""
+
+
+def _work(scene: Scene, mesh: OrganMesh, tool: Tool) -> ToolWork:
+    kind = FamilyWork if is_family(tool) else WaysWork if is_tilted(tool) else ToolWork
+    return kind(scene, mesh, tool)
 
 
 def _reach(scene: Scene, mesh: OrganMesh, tools: list[ToolWork]) -> ReachSamples:

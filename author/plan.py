@@ -114,7 +114,8 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
     nodes = node_count(area, scene.accuracy.force_tolerance)
     seeds = seed_count(nodes)
     nodes += region_nodes(len(scene.organ.region))
-    radii = len(tool.radius or (0,))  # of a family each is pressed at every node
+    # of a family each radius is pressed at every node, of several tilts each but upright in both leans
+    members = len(tool.radius or (0,)) * (2 * len(tool.tilt or (0,)) - 1)
     return {
         "name": tool.name,
         "shape": tool.shape,
@@ -124,8 +125,8 @@ def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
         "seeds": seeds,
         "nodes": nodes,
         "held_out": scene.accuracy.held_out,
-        "presses": radii * nodes + scene.accuracy.held_out,
-        "cpu_seconds": radii * nodes * PRESS_SECONDS[scene.accuracy.fidelity]
+        "presses": members * nodes + scene.accuracy.held_out,
+        "cpu_seconds": members * nodes * PRESS_SECONDS[scene.accuracy.fidelity]
         + scene.accuracy.held_out * PRESS_SECONDS["full"],
     }
 

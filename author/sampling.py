@@ -10,7 +10,8 @@ point sees from two sides, tissue thinner than 2.5 depths) are left out and coun
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -19,7 +20,14 @@ from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_tables import Reach
 from palpate.author.tool_stage import ToolShape, contact_extent, offset_of
 
-__all__ = ["ReachSamples", "farthest_of", "farthest_points", "held_out_points", "reach_samples"]
+__all__ = [
+    "ReachSamples",
+    "common_samples",
+    "farthest_of",
+    "farthest_points",
+    "held_out_points",
+    "reach_samples",
+]
 
 THICKNESS_SHARE = 0.4
 """Deepest press over local thickness: beyond it a press feels the other side, and is refused."""
@@ -101,6 +109,16 @@ def reach_samples(
     return ReachSamples(
         points, normals, spacing, ~(crease | thin | held), {k: v for k, v in reasons.items() if v}
     )
+
+
+def common_samples(
+    mesh: OrganMesh, reach: Reach, shapes: Sequence[ToolShape], depths: Sequence[float]
+) -> ReachSamples:
+    """Where every one of `shapes` may press, to its own of `depths` (m)."""
+    each = [reach_samples(mesh, reach, shape, depth) for shape, depth in zip(shapes, depths, strict=True)]
+    allowed = np.logical_and.reduce([samples.allowed for samples in each])
+    strictest = min(each, key=lambda samples: int(samples.allowed.sum()))
+    return replace(strictest, allowed=allowed)
 
 
 def _spread_over(corners: np.ndarray, area: np.ndarray, spacing: float) -> np.ndarray:

@@ -184,6 +184,10 @@ def _tools(
                 "is not a rising list",
                 "each radius once, smallest first",
             )
+        if tool.tilt is not None and len(tool.tilt) > 1:
+            if tool.tilt[0] != 0.0 or sorted(set(tool.tilt)) != list(tool.tilt):
+                what = "is not a list of tilts that rises from upright (rad)"
+                yield f"{key}.tilt", list(tool.tilt), what, '"0 deg" first, then each tilt once, rising'
         if head is not None and "friction" in head.effects and tool.friction is None and not painted:
             yield (
                 f"{key}.friction",

@@ -226,7 +226,10 @@ class Tool(Table):
             tuple[Annotated[float, Quantity("angle", above=-math.pi / 2, below=math.pi / 2)], ...], OneOrMore
         ]
         | None
-    ) = Field(default=None, description="the ways of touching that get a response of their own, below 90 deg")
+    ) = Field(
+        default=None,
+        description="ways of touching: one, or several of a round tool from 0 deg on, below 90 deg",
+    )
     friction: Annotated[float, Quantity("fraction", least=0, most=2)] | None = Field(
         default=None, description="Coulomb coefficient between tool and tissue, 0 to 2"
     )

@@ -9,16 +9,13 @@ tick pays nothing for it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from palpate.author.held_out import held_out_jobs
-from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob
-from palpate.author.sampling import ReachSamples, reach_samples
-from palpate.author.scene_tables import Reach
 from palpate.author.tool_stage import ToolShape, reference_of
 from palpate.fields.as_cooked import as_cooked
 from palpate.fields.build_field import build_field
@@ -28,7 +25,6 @@ from palpate.fields.tool_family import depth_between, nodes_of_radius
 __all__ = [
     "FamilyRadius",
     "ball",
-    "common_samples",
     "family_held_out",
     "field_of_radius",
     "file_name",
@@ -64,16 +60,6 @@ def radius_of(job: PressJob) -> float:
 def file_name(name: str, radius: float) -> str:
     """Of the field of one radius (m) of the family `name`."""
     return f"{name}-{1e3 * radius:.6g}mm.rfield"
-
-
-def common_samples(
-    mesh: OrganMesh, reach: Reach, shapes: Sequence[ToolShape], depths: Sequence[float]
-) -> ReachSamples:
-    """Where every one of `shapes` may press, to its own of `depths` (m)."""
-    each = [reach_samples(mesh, reach, shape, depth) for shape, depth in zip(shapes, depths, strict=True)]
-    allowed = np.logical_and.reduce([samples.allowed for samples in each])
-    strictest = min(each, key=lambda samples: int(samples.allowed.sum()))
-    return replace(strictest, allowed=allowed)
 
 
 def judged_radii(radii: Sequence[float], depths: Sequence[float]) -> list[FamilyRadius]:

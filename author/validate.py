@@ -27,6 +27,7 @@ from palpate.author.sampling import held_out_points
 from palpate.author.store import Store
 from palpate.author.tool_family import FamilyRadius, family_held_out, judged_radii
 from palpate.author.tool_work import TRUTH, ladder
+from palpate.author.ways_of_touching import judged_ways, ways_held_out, ways_judgement
 from palpate.fields.response_field import ResponseField
 from palpate.fields.tool_family import depth_between
 
@@ -71,8 +72,12 @@ def validate(
     chosen = samples.points[held_out_points(samples, points, seed)]
     friction = authored.friction(chosen)
     radii = _judged(field, radius)
+    ways = judged_ways([0.0, *(way.tool.tilt for way in field.ways)])
     if radii:
         jobs = family_held_out(chosen, radii, friction, TRUTH, seed, drag)
+    elif field.ways:
+        depths = ladder(field.depth_max)
+        jobs = ways_held_out(chosen, authored.shape, ways, depths, friction, TRUTH, seed, drag)
     else:
         depths = ladder(field.depth_max)
         jobs = held_out_jobs(chosen, authored.shape, depths, friction, TRUTH, seed, drag)
@@ -89,6 +94,8 @@ def validate(
     tolerance = float(authored.scene["accuracy"]["force_tolerance"])
     if radii:
         judged = family_judgement(field, radii, outcomes, [], tolerance, samples.beyond(mesh))
+    elif field.ways:
+        judged = ways_judgement(Field.open(cook(field)), ways, outcomes, [], tolerance)
     else:
         judged = judgement(Field.open(cook(field)), field.tool.offset, outcomes, [], tolerance)
     judged = {

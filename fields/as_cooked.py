@@ -24,7 +24,9 @@ ROUNDED_BEFORE = 1e-15
 
 def as_cooked(field: ResponseField) -> ResponseField:
     """`field` with rounded geometry, amplitudes and curves; nodes, errors and provenance as they are."""
-    rounded = read_rfield(cook(field))
+    data = cook(field)
+    rounded = read_rfield(data)
+    ways = [replace(way, amplitudes=read_rfield(data, 1 + i).amplitudes) for i, way in enumerate(field.ways)]
     return replace(
         field,
         geometry=rounded_geometry(field.geometry),
@@ -32,6 +34,7 @@ def as_cooked(field: ResponseField) -> ResponseField:
         energy_curves=rounded.energy_curves,
         stiffness_curves=rounded.stiffness_curves,
         friction_curves=rounded.friction_curves,
+        ways=tuple(ways),
     )
 
 

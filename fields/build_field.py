@@ -11,6 +11,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,7 @@ from palpate.fields.response_field import (
     DepthCurves,
     ResponseField,
     ResponseNodes,
+    TiltedWay,
     ToolReference,
 )
 from palpate.fields.site_curves import SiteCurves
@@ -57,6 +60,7 @@ def build_field(
     normal_length: float = 20e-3,
     with_gradients: bool = True,
     provenance: dict[str, Any] | None = None,
+    tilted: Sequence[tuple[ToolReference, ResponseNodes]] = (),
 ) -> ResponseField:
     """Build the response field.
 
@@ -66,15 +70,18 @@ def build_field(
         tool: the tool that pressed.
         reach: (n, 3) -> (n,) m; <= 0 where the scene lets the tool touch, metres beyond elsewhere.
         amplitude_spacing: m, of the amplitude lattice.
-        rank: shared energy curves (count).
+        rank: shared energy curves (count); one more with several ways of touching.
         margin: m beyond the reach within which the field ends; the geometry must cover it.  Below 3.75 amplitude
             spacings the end would be felt within the reach, so that is refused.
         normal_length: L of the embedding, m (kriging.py).
         with_gradients: krige with B; without it only for comparison, it costs twice the presses.
         provenance: copied to the field.
+        tilted: further ways of touching, by rising tilt: the same tool held otherwise, its nodes at the same places
+            and knots.  All ways share curves of depth and the lattice's place; amplitudes are each one's own.
 
     Returns:
-        The field; `representation` holds errors as fractions (see `representation_errors` and `SiteCurves.report`).
+        The field; `representation` holds errors as fractions (see `representation_errors` and `SiteCurves.report`),
+        those of a further way under "way1_..." and so on.
 
     Raises:
         ValueError: energy or force of a node is not positive at a depth knot above 0, nothing is in reach, or the
@@ -85,28 +92,38 @@ def build_field(
             f"response field: margin {margin} m: at least {LEAST_MARGIN} amplitude spacings of "
             f"{amplitude_spacing} m needed"
         )
-    sites = SiteCurves.from_nodes(nodes, geometry, tool.offset, normal_length, with_gradients=with_gradients)
-    q, surface, normal, cells, beyond = band_samples(geometry, tool.offset, reach, amplitude_spacing, margin)
-    inside = np.flatnonzero(reach(surface) <= 0)
-    held = nodes.position[:, None] + (tool.offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
-    q = np.concatenate([q, held.reshape(-1, 3)])
-    repeat = nodes.depth_knots.size - 1
-    surface = np.concatenate([surface, np.repeat(nodes.position, repeat, axis=0)])
-    normal = np.concatenate([normal, np.repeat(nodes.normal, repeat, axis=0)])
-    weight = np.where(np.arange(len(q)) < len(q) - held.shape[0] * repeat, 1.0, NODE_WEIGHT)
-
     depth_end = float(nodes.depth_knots[-1])
     depth = depth_end * (np.arange(2 * INTERVALS) + 1) / (2 * INTERVALS)
-    curves = sites.at(surface, normal, depth)
-    second = second_derivatives(depth, curves.energy, curves.force, depth_end, INTERVALS, convex=sites.convex)
-    energy = low_rank_energy(second, depth_end, rank)
-    stiffness_curves, stiffness = shared_or_zero(curves.friction_stiffness, depth_end, 2)
-    friction_curves, friction = shared_or_zero(curves.friction_coefficient, depth_end, 2)
-
+    ways = []
+    for held, own in ((tool, nodes), *tilted):
+        sites = SiteCurves.from_nodes(
+            own, geometry, held.offset, normal_length, with_gradients=with_gradients
+        )
+        samples = _samples(own, geometry, held.offset, reach, amplitude_spacing, margin)
+        ways.append((held, own, sites, samples, sites.at(samples.surface, samples.normal, depth)))
+    second = [
+        second_derivatives(depth, curves.energy, curves.force, depth_end, INTERVALS, convex=sites.convex)
+        for _, _, sites, _, curves in ways
+    ]
+    energy = low_rank_energy(np.concatenate(second), depth_end, rank + (len(ways) > 1))
+    stiffness_curves, stiffness = shared_or_zero(
+        np.concatenate([curves.friction_stiffness for *_, curves in ways]), depth_end, 2
+    )
+    friction_curves, friction = shared_or_zero(
+        np.concatenate([curves.friction_coefficient for *_, curves in ways]), depth_end, 2
+    )
     targets = np.concatenate([energy.amplitudes, stiffness, friction], axis=1)
-    deepest = curves.force[:, -1]
-    weight = weight * (np.exp(np.mean(np.log(deepest))) / deepest) ** 2
-    amplitudes = amplitude_lattice(q, targets, weight, cells, beyond, amplitude_spacing, margin)
+    ends = np.cumsum([len(samples.q) for *_, samples, _ in ways])[:-1]
+    frame = lattice_frame([a for *_, s, _ in ways for a in (s.q, s.cells)], amplitude_spacing)
+    lattices = []
+    for (*_, samples, curves), wanted in zip(ways, np.split(targets, ends), strict=True):
+        deepest = curves.force[:, -1]
+        weight = samples.weight * (np.exp(np.mean(np.log(deepest))) / deepest) ** 2
+        lattices.append(
+            amplitude_lattice(
+                samples.q, wanted, weight, samples.cells, samples.beyond, amplitude_spacing, margin, frame
+            )
+        )
     field = ResponseField(
         tool,
         geometry,
@@ -114,17 +131,68 @@ def build_field(
         energy.curves,
         stiffness_curves,
         friction_curves,
-        amplitudes,
+        lattices[0],
         depth_end,
         {},
         dict(provenance or {}),
+        ways=tuple(
+            TiltedWay(held, own, lattice)
+            for (held, own, *_), lattice in zip(ways[1:], lattices[1:], strict=True)
+        ),
     )
-    field.representation.update(sites.report())
     field.representation["low_rank_force_p95"] = energy.error_p95
-    field.representation.update(
-        representation_errors(field, sites, q[inside], surface[inside], normal[inside])
-    )
+    for i, ((_, _, sites, s, _), own) in enumerate(zip(ways, field.fields_by_way(), strict=True)):
+        inside = s.inside
+        errors = representation_errors(own, sites, s.q[inside], s.surface[inside], s.normal[inside])
+        prefix = f"way{i}_" if i else ""
+        field.representation.update(
+            {prefix + name: value for name, value in (sites.report() | errors).items()}
+        )
     return field
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Tool positions of one way at which amplitudes are found, n of them.
+
+    Attributes:
+        q, surface: (n, 3) m, the tool's reference point and its surface point.  normal: (n, 3).
+        weight: (n,).  inside: indices of those between nodes that lie within reach.
+        cells: (m, 3) m, all positions that the field has to hold.  beyond: (m,) m, of each beyond the reach.
+    """
+
+    q: np.ndarray
+    surface: np.ndarray
+    normal: np.ndarray
+    weight: np.ndarray
+    inside: np.ndarray
+    cells: np.ndarray
+    beyond: np.ndarray
+
+
+def _samples(
+    nodes: ResponseNodes,
+    geometry: ContactGeometry,
+    offset: float,
+    reach: ScalarField,
+    spacing: float,
+    margin: float,
+) -> _Samples:
+    """Samples through the band, and at every knot of the nodes' own presses."""
+    q, surface, normal, cells, beyond = band_samples(geometry, offset, reach, spacing, margin)
+    inside = np.flatnonzero(reach(surface) <= 0)
+    held = nodes.position[:, None] + (offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
+    repeat = nodes.depth_knots.size - 1
+    weight = np.concatenate([np.ones(len(q)), np.full(held.shape[0] * repeat, NODE_WEIGHT)])
+    return _Samples(
+        np.concatenate([q, held.reshape(-1, 3)]),
+        np.concatenate([surface, np.repeat(nodes.position, repeat, axis=0)]),
+        np.concatenate([normal, np.repeat(nodes.normal, repeat, axis=0)]),
+        weight,
+        inside,
+        cells,
+        beyond,
+    )
 
 
 def band_samples(
@@ -167,6 +235,14 @@ def shared_or_zero(values: np.ndarray, depth_end: float, rank: int) -> tuple[Dep
     return result.curves, result.amplitudes
 
 
+def lattice_frame(positions: Sequence[np.ndarray], spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Origin (3,) m and coefficients along each axis (3,) of a lattice that holds all `positions` (each (n, 3) m)."""
+    low = np.min([q.min(axis=0) for q in positions], axis=0)
+    high = np.max([q.max(axis=0) for q in positions], axis=0)
+    origin = np.floor(low / spacing) * spacing - 4 * spacing
+    return origin, BLOCK_EDGE * np.ceil((high + 5 * spacing - origin) / (BLOCK_EDGE * spacing)).astype(int)
+
+
 def amplitude_lattice(
     q: np.ndarray,
     targets: np.ndarray,
@@ -175,6 +251,7 @@ def amplitude_lattice(
     beyond: np.ndarray,
     spacing: float,
     margin: float,
+    frame: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> Lattice:
     """Fit channels `targets` (n, C) at `q` (n, 3) and end them within `margin` m of the reach.
 
@@ -183,11 +260,9 @@ def amplitude_lattice(
     support (1.5 spacings along the axes, 2.12 across) would leave the margin.  The spline stays C1 whatever its
     coefficients are; scaling them, rather than fitting tapered targets, keeps the steep edge from disturbing the
     reach.  Two more coefficients all round are stored as zeros, so that it does not matter whether a reader takes
-    an absent block for zeros or takes every cell that touches one for zero.
+    an absent block for zeros or takes every cell that touches one for zero.  `frame` as `lattice_frame` gives it.
     """
-    origin = np.floor(np.minimum(q.min(axis=0), cells.min(axis=0)) / spacing) * spacing - 4 * spacing
-    top = np.maximum(q.max(axis=0), cells.max(axis=0)) + 5 * spacing
-    shape = BLOCK_EDGE * np.ceil((top - origin) / (BLOCK_EDGE * spacing)).astype(int)
+    origin, shape = frame or lattice_frame([q, cells], spacing)
     wanted = np.zeros(tuple(shape), dtype=bool)
     wanted[tuple(stencil(cells, origin, spacing).index.reshape(-1, 3).T)] = True
     fit = LatticeFit(origin, spacing, wanted)

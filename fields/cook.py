@@ -67,18 +67,21 @@ def write_rfield(field: ResponseField, path: str | os.PathLike) -> None:
 
 
 def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = ()) -> bytes:
-    """The .rfield of `field`.
+    """The .rfield of `field` in all its ways of touching.
 
     Args:
-        field: the response with the tool's axis along the outward normal.
-        tilted: further ways of touching, each the cosine of the angle between tool axis and outward normal, falling
-            from below 1 to 0, and its response: amplitudes (on the same lattice) and offset are its own, all
-            else has to be `field`'s.
+        field: the response with the tool's axis along the outward normal, or in its one way.
+        tilted: further ways of touching in place of `field.ways`, each the cosine of the angle between tool axis and
+            outward normal, falling from below 1 to 0, and its response: amplitudes (on the same lattice) and
+            offset are its own, all else has to be `field`'s.
 
     Raises:
         CookError: a number is not finite, a shape does not fit, the geometry spans more than int16 holds, or a
             way of touching does not go with the first.
     """
+    if not tilted:
+        own = field.fields_by_way()
+        tilted = [(way.cosine, one) for way, one in zip(field.ways, own[1:], strict=True)]
     ways = [field, *(way for _, way in tilted)]
     cosines = np.array([1.0, *(cosine for cosine, _ in tilted)])
     for way in ways:

@@ -23,6 +23,7 @@ def check_field(field: ResponseField) -> None:
     check_contact_geometry(field.geometry, where)
     _check_nodes(field.nodes, where)
     _check_family(field, where)
+    _check_ways(field, where)
     curves = (field.energy_curves, field.stiffness_curves, field.friction_curves)
     for name, group in zip(("energy_curves", "stiffness_curves", "friction_curves"), curves, strict=True):
         _check_curves(group, f"{where}: {name}")
@@ -107,6 +108,31 @@ def _check_family(field: ResponseField, where: str) -> None:
             )
         if not np.array_equal(member.nodes.position, field.nodes.position):
             raise FieldError(f"{here}: its nodes lie elsewhere; the field's own places are right")
+
+
+def _check_ways(field: ResponseField, where: str) -> None:
+    """Further ways share the field's nodes and lattice, and tilt further and further from upright."""
+    if not field.ways:
+        return
+    tilts = [field.tool.tilt, *(way.tool.tilt for way in field.ways)]
+    if tilts[0] != 0.0 or not (np.diff(tilts) > 0).all() or not tilts[-1] < 0.5 * np.pi:
+        raise FieldError(
+            f"{where}: ways of touching tilt by {tilts} rad; 0, then rising below pi/2, is right"
+        )
+    for i, way in enumerate(field.ways, 1):
+        here = f"{where}: way {i}"
+        _check_nodes(way.nodes, here)
+        if not np.array_equal(way.nodes.position, field.nodes.position):
+            raise FieldError(f"{here}: its nodes lie elsewhere; the field's own places are right")
+        if not np.array_equal(way.nodes.depth_knots, field.nodes.depth_knots):
+            raise FieldError(f"{here}: its depth knots are others; the field's own are right")
+        _check_lattice(way.amplitudes, f"{here}: amplitudes")
+        a, b = field.amplitudes, way.amplitudes
+        same = np.array_equal(a.origin, b.origin) and a.spacing == b.spacing
+        if not same or a.block_index.shape != b.block_index.shape or a.channel_count != b.channel_count:
+            raise FieldError(
+                f"{here}: its amplitudes' lattice lies elsewhere; the field's own place is right"
+            )
 
 
 def _check_curves(curves: DepthCurves, where: str) -> None:

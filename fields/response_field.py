@@ -15,7 +15,7 @@ Units: SI.  Axes: the organ's own, right-handed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ __all__ = [
     "FamilyMember",
     "ResponseField",
     "ResponseNodes",
+    "TiltedWay",
     "ToolReference",
 ]
 
@@ -141,6 +142,23 @@ class FamilyMember:
 
 
 @dataclass(frozen=True)
+class TiltedWay:
+    """A further way of touching: the tool tilted, its curves at the nodes that all ways share, its amplitudes.
+
+    The shared curves are the field's (`ResponseField.energy_curves` and so on), the lattice has its origin and shape.
+    """
+
+    tool: ToolReference
+    nodes: ResponseNodes
+    amplitudes: Lattice
+
+    @property
+    def cosine(self) -> float:
+        """Of the angle between tool axis and outward normal."""
+        return float(np.cos(self.tool.tilt))
+
+
+@dataclass(frozen=True)
 class DepthCurves:
     """R shared functions of depth on M uniform intervals [0, depth_end], piecewise cubic.
 
@@ -179,6 +197,8 @@ class ResponseField:
         provenance: hashes of mesh, scene, supports, solver settings; versions; seed; errors.
         family: all pressed radii, rising, where `tool` is one of a family (tool_family.py makes fields of any radius
             between them); empty where it is not.
+        ways: further ways of touching, by rising tilt, where `tool` is upright and was pressed tilted as well; empty
+            where one way holds.  A node holds the mean of two presses that lean opposite ways.
     """
 
     tool: ToolReference
@@ -192,3 +212,12 @@ class ResponseField:
     representation: dict[str, float] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
     family: tuple[FamilyMember, ...] = ()
+    ways: tuple[TiltedWay, ...] = ()
+
+    def fields_by_way(self) -> list[ResponseField]:
+        """The field of each way by itself, the upright one first."""
+        own = replace(self, ways=())
+        tilted = [
+            replace(own, tool=w.tool, nodes=w.nodes, amplitudes=w.amplitudes, family=()) for w in self.ways
+        ]
+        return [own, *tilted]

@@ -8,6 +8,7 @@
     Response                      PalpateFieldAPI
         Nodes                     Points with PalpateResponseAPI: the authored truth
         Family                    of a tool family: the nodes under its other radii, PalpateFamilyMemberAPI too
+        Ways/Tilt_1 ...           PalpateWayAPI: a further way of touching, with its own Nodes and Amplitudes
         EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI
         Amplitudes                PalpateLatticeAPI
         Tool                      Sphere or Mesh (purpose guide), resting on the first node
@@ -31,6 +32,7 @@ from palpate.fields.response_field import (
     FamilyMember,
     ResponseField,
     ResponseNodes,
+    TiltedWay,
     ToolReference,
 )
 from palpate.fields.usd_layer import author, author_schema, child, json_text, new_layer, schema_values
@@ -113,6 +115,7 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
     letters = zip("abm", _curve_groups(field).values(), strict=True)
     channels = [f"{letter}_{r}" for letter, curves in letters for r in range(curves.curve_count)]
     _lattice(child(response, "Amplitudes", "Scope"), field.amplitudes, channels)
+    _ways(response, field, channels)
     _tool_preview(response, field)
     return layer
 
@@ -163,6 +166,7 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
         representation=_pairs(response, values, "representation"),
         provenance=json.loads(values["provenance"]),
         family=_read_family(response, tool, nodes),
+        ways=_read_ways(response, tool),
     )
     check_field(field)
     return field
@@ -218,6 +222,29 @@ def _family(response: Sdf.PrimSpec, field: ResponseField, own: Sdf.PrimSpec) -> 
             author(prim, "visibility", "token", "invisible")
         values = {"radius": member.radius, "tool_hash": member.tool.hash}
         author_schema(prim, "PalpateFamilyMemberAPI", values)
+
+
+def _ways(response: Sdf.PrimSpec, field: ResponseField, channels: list[str]) -> None:
+    if not field.ways:
+        return
+    parent = child(response, "Ways", "Scope")
+    for i, way in enumerate(field.ways, 1):
+        prim = child(parent, f"Tilt_{i}", "Scope")
+        values = {"tilt": way.tool.tilt, "offset": way.tool.offset, "tool_hash": way.tool.hash}
+        author_schema(prim, "PalpateWayAPI", values)
+        author(_nodes(prim, "Nodes", way.nodes), "visibility", "token", "invisible")
+        _lattice(child(prim, "Amplitudes", "Scope"), way.amplitudes, channels)
+
+
+def _read_ways(response: Usd.Prim, tool: ToolReference) -> tuple[TiltedWay, ...]:
+    parent = response.GetChild("Ways")
+    ways = []
+    for prim in parent.GetChildren() if parent else ():
+        values = schema_values(prim, "PalpateWayAPI")
+        held = replace(tool, tilt=values["tilt"], offset=values["offset"], hash=values["tool_hash"])
+        nodes, amplitudes = _read_nodes(_child(prim, "Nodes")), _read_lattice(_child(prim, "Amplitudes"))
+        ways.append(TiltedWay(held, nodes, amplitudes))
+    return tuple(sorted(ways, key=lambda way: way.tool.tilt))
 
 
 def _read_family(response: Usd.Prim, tool: ToolReference, nodes: ResponseNodes) -> tuple[FamilyMember, ...]:

@@ -172,7 +172,7 @@ def _field(field: ResponseField, reach: ReachMap) -> dict[str, Any]:
     geometry = field.geometry
     return {
         "depth_max": field.depth_max,
-        "stiffness_max": largest_stiffness(field),
+        "stiffness_max": max(largest_stiffness(way) for way in field.fields_by_way()),
         "force_deepest": _range(reach.values["normal_force"][-1]),
         "stiffness_deepest": _range(reach.values["stiffness"][-1]),
         "knots": len(field.nodes.depth_knots),

@@ -78,6 +78,7 @@ def _row(number: int, press: dict[str, Any]) -> dict[str, Any]:
         "reason": press.get("reason") or "",
         "runtime": ", ".join(words for bit, words in _TICK_WORDS.items() if bits & bit),
         "radius": press.get("radius"),
+        "tilt": press.get("tilt"),
         "depth_reached": float(press["depth"][-1]) if press["depth"] else None,
         "force_deepest": curves["fem"]["normal"][-1] if len(fem) else None,
         "states_judged": sum(error is not None for error in press["force_error"]),

@@ -59,6 +59,7 @@ KINDS = {
     "percent": percent,
     "asked": asked,
     "size": lambda v: f"{1e3 * v:.4g} mm",
+    "degrees": lambda v: f"{math.degrees(v):.3g}°",
     "mm": lambda v: f"{significant(1e3 * v)} mm",
     "um": lambda v: f"{significant(1e6 * v)} µm",
     "mm_vector": _vector,
@@ -74,7 +75,7 @@ KINDS = {
     "short": lambda v: str(v)[:12],
     "text": str,
 }
-"""How each kind is written, from m, N, s (but ns and ms as they say); asked, size: chosen, not measured."""
+"""How each kind is written, from m, N, s, rad (but ns and ms as they say); asked, size: chosen, not measured."""
 
 
 def written(value: Any, kind: str) -> str:

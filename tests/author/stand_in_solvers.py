@@ -87,17 +87,30 @@ def known_energy(x: np.ndarray, R: float, d: np.ndarray) -> np.ndarray:
 
 def known_block(mesh, job: PressJob, folder: str, progress=None):
     """Presses of balls on the top of a block, z up, as `known_energy` says; sticks with k = 0.7 f'."""
-    R, x = dict(job.tool.parameters)["radius"], job.contact_point[0]
+    return known_press(job, dict(job.tool.parameters)["radius"], 1.0, 0.0)
+
+
+def known_probe(mesh, job: PressJob, folder: str, progress=None):
+    """The same of a cone's tip: half as stiff again when it leans by 30 degrees, and 1 mm off to where it leans."""
+    leans = (1 - np.cos(job.tool.tilt)) / (1 - np.cos(np.pi / 6))
+    aside = 1e-3 * np.sin(job.tool.tilt) / np.sin(np.pi / 6)
+    return known_press(job, dict(job.tool.parameters)["edge_radius"], 1 + 0.5 * leans, aside)
+
+
+def known_press(job: PressJob, R: float, factor: float, aside: float):
+    """A press of a ball of radius R (m), `factor` times `known_energy` at a place `aside` (m) of its own."""
+    x = job.contact_point[0] + aside
     depth = np.concatenate([[0.0], job.depths])
     step = 1e-7
 
     def slope(d: np.ndarray) -> np.ndarray:
         below = np.maximum(d - step, 0.0)
-        return (known_energy(x, R, d + step) - known_energy(x, R, below)) / (d + step - below)
+        rise = known_energy(x, R, d + step) - known_energy(x, R, below)
+        return factor * rise / (d + step - below)
 
     force = np.zeros((len(depth), 3))
     force[1:, 2] = slope(depth[1:])
-    force[:, 0] = -known_energy(x, R, depth) / 40e-3  # -dU/dx
+    force[:, 0] = -factor * known_energy(x, R, depth) / 40e-3  # -dU/dx
     k = np.zeros(len(depth))
     k[1:] = 0.7 * (slope(depth[1:] + 1e-5) - slope(depth[1:] - 1e-5)) / 2e-5
     lateral = []
@@ -113,7 +126,7 @@ def known_block(mesh, job: PressJob, folder: str, progress=None):
         "normal": np.array([0.0, 0.0, 1.0]),
         "depth": depth,
         "force_vector": force,
-        "energy": known_energy(x, R, depth),
+        "energy": factor * known_energy(x, R, depth),
         "sticking_stiffness": k[:, None, None] * np.diag([1.0, 1.0, 0.0]),
     }
     return arrays, {"converged": True, "reason": "", "lateral": lateral, "seconds": 0.0, "estimate": 0.0}

@@ -18,10 +18,10 @@ from stand_in_solvers import Inline, known_block
 from palpate.author import capabilities, pipeline, press_solve, validate
 from palpate.author.command_line import main
 from palpate.author.errors import InputError
-from palpate.author.radii import members_of
 from palpate.author.report import write
 from palpate.author.scene import load_scene
 from palpate.author.tool_family import family_held_out, judged_radii, radius_of
+from palpate.author.tool_members import members_of
 from palpate.fields.rfield_read import read_rfield
 from palpate.fields.usd_read import read_field, tools
 from palpate.fields.usd_validators import asset_errors

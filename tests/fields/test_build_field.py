@@ -2,14 +2,18 @@
 # SPDX-License-Identifier: Apache-2.0
 """The built field against an organ that is known exactly, and against itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from known_organ import BALL, FLAT, KnownOrgan, field_of, geometry_of, held_out, nodes_of
 
 from palpate.fields.build_field import build_field
+from palpate.fields.cook import cook
 from palpate.fields.interpolation import energy_hessian, evaluate
 from palpate.fields.lattice_stencil import sample_lattice
 from palpate.fields.response_field import ToolReference
+from palpate.fields.rfield_read import read_header
 from palpate.fields.shared_curves import evaluate_curves
 
 ORGAN = KnownOrgan(FLAT)
@@ -198,3 +202,19 @@ def test_one_node_and_no_friction_still_make_a_field():
 def test_a_margin_that_would_be_felt_within_the_reach_is_refused():
     with pytest.raises(ValueError, match=r"at least 3\.75 amplitude spacings"):
         build_field(nodes_of(ORGAN, 12, 0.005, 2), geometry_of(ORGAN), TOOL, ORGAN.reach, margin=12e-3)
+
+
+def test_several_ways_of_touching_in_one_field_are_each_as_true_as_alone():
+    """The same places pressed in two ways whose moduli vary differently; shared curves, amplitudes of their own."""
+    organs = ORGAN, KnownOrgan(FLAT, contrast=0.3)
+    upright, tilted = (nodes_of(organ, 25, 0.0, 2) for organ in organs)
+    other = replace(TOOL, tilt=0.5, hash="tilted")
+    field = build_field(upright, geometry_of(ORGAN), TOOL, ORGAN.reach, tilted=[(other, tilted)])
+    q, _ = held_out(ORGAN)
+    for organ, way in zip(organs, field.fields_by_way(), strict=True):
+        force = organ.force(q)
+        error = np.linalg.norm(evaluate(way, q).force - force, axis=1) / np.linalg.norm(force, axis=1)
+        assert np.quantile(error, 0.95) < 0.006
+    assert field.fields_by_way()[1].tool.hash == "tilted"
+    header = read_header(cook(field))
+    assert header["way_count"] == 2 and header["way_cosine"][1] == pytest.approx(np.cos(0.5))

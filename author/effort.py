@@ -28,8 +28,10 @@ __all__ = [
 ]
 
 PRESS_SECONDS: dict[str, float] = {"linear": 6.0, "near_field": 9.0, "full": 60.0}
-"""CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core: medians of 59 near and 39
-full presses, a 5 mm ball 6 mm deep into a liver of 12,000 tetrahedra."""
+"""CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core.
+
+Medians of 59 near and 39 full presses, a 5 mm ball 6 mm deep into a liver of 12,000 tetrahedra.
+"""
 
 PRESS_MEMORY: dict[str, tuple[float, float]] = {
     "linear": (0.70e9, 2100.0),

@@ -10,7 +10,15 @@ from typing import Any
 from palpate.author.errors import InputError, InputProblem, PalpateError
 from palpate.author.haptic_device import HapticDevice
 
-__all__ = ["certify_map"]
+__all__ = ["certify_map", "require_picture"]
+
+
+def require_picture(file: Path) -> None:
+    """Raises InputError where `file` can be no picture."""
+    if file.suffix.lower() != ".png":
+        raise InputError(InputProblem("", "--map", str(file), "is no picture", "a file that ends in .png"))
+    if not file.parent.is_dir():
+        raise InputError(InputProblem("", "--map", str(file), "is in no folder", "a folder that is there"))
 
 
 def certify_map(field: Path, device: HapticDevice, file: Path) -> dict[str, Any]:
@@ -24,10 +32,7 @@ def certify_map(field: Path, device: HapticDevice, file: Path) -> dict[str, Any]
         InputError: `file` is no PNG, or its folder does not exist.
         PalpateError: this machine cannot draw.
     """
-    if file.suffix.lower() != ".png":
-        raise InputError(InputProblem("", "--map", str(file), "is no picture", "a file that ends in .png"))
-    if not file.parent.is_dir():
-        raise InputError(InputProblem("", "--map", str(file), "is in no folder", "a folder that is there"))
+    require_picture(file)
     from palpate.author.report.device_map import device_map
     from palpate.author.report.device_picture import device_picture
     from palpate.author.report.known_surface import known_surface

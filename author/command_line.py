@@ -248,9 +248,10 @@ def validate(
 
         existing(asset, "an asset folder")
         asked = radius_given(radius)
-        if within and apart:
-            what, expected = "says where fresh points lie, and none is drawn", "either --within or --apart"
-            raise InputError(InputProblem("", "--within", within, what, expected))
+        for option, value in (("--within", within), ("--radius", radius), ("--drag", drag or "")):
+            if apart and value:
+                what, expected = "is for fresh points, and none is drawn", f"either {option} or --apart"
+                raise InputError(InputProblem("", option, value, what, expected))
         if apart:
             from palpate.author.two_contacts import two_contacts
 
@@ -378,8 +379,11 @@ def certify(
 
     def work() -> Answer:
         from palpate.author.certify import certify as certified
+        from palpate.author.certify_map import certify_map, require_picture
         from palpate.author.haptic_device import device_from
 
+        if picture is not None:
+            require_picture(picture)
         held = device_from(
             scene,
             name=device,
@@ -405,8 +409,6 @@ def certify(
             simulate=simulate,
         )
         if picture is not None:
-            from palpate.author.certify_map import certify_map
-
             result["map"] = certify_map(field, held, picture)
         return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)
 

@@ -35,7 +35,9 @@ def cook_asset(
         raise InputError(InputProblem(str(asset), "--tool", tool, what, "one of " + ", ".join(names)))
     if radius is not None and tool is None and len(names) > 1:
         what = "is a radius of one tool family, and the asset has several tools"
-        raise InputError(InputProblem(str(asset), "--radius", radius, what, "--tool beside it"))
+        raise InputError(
+            InputProblem(str(asset), "--radius", f"{1e3 * radius:g} mm", what, "--tool beside it")
+        )
     folder = out or (asset if asset.is_dir() else asset.parent)
     folder.mkdir(parents=True, exist_ok=True)
     cooked = []
@@ -53,13 +55,13 @@ def refuse_radius(asset: Path, field: ResponseField, radius: float | None) -> No
         own = field.tool.parameters.get("radius")
         what = f"is asked of {field.tool.name}, which was authored with one radius"
         expected = "no --radius" + (f", for {1e3 * own:.4g} mm" if own else "")
-        raise InputError(InputProblem(str(asset), "--radius", radius, what, expected))
+        raise InputError(InputProblem(str(asset), "--radius", f"{1e3 * radius:g} mm", what, expected))
     radii = [member.radius for member in field.family]
     if not radii[0] * (1.0 - 1e-9) <= radius <= radii[-1] * (1.0 + 1e-9):
         known = ", ".join(f"{1e3 * own:.4g}" for own in radii)
         what = f"is outside the radii that {field.tool.name} was pressed with ({known} mm)"
         expected = f"{1e3 * radii[0]:.4g} mm to {1e3 * radii[-1]:.4g} mm"
-        raise InputError(InputProblem(str(asset), "--radius", radius, what, expected))
+        raise InputError(InputProblem(str(asset), "--radius", f"{1e3 * radius:g} mm", what, expected))
 
 
 def _cooked(asset: Path, folder: Path, field: ResponseField, radius: float | None) -> list[dict[str, Any]]:

@@ -15,6 +15,8 @@ from rich.table import Table
 
 from palpate.author.console import Answer, plain, table_of
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.tool_family import file_name
+from palpate.fields.response_field import ResponseField
 
 __all__ = ["inspect_field"]
 
@@ -59,11 +61,18 @@ def _asset(path: Path) -> Answer:
     from palpate.fields.usd_read import read_field, tools
 
     folder = path if path.is_dir() else path.parent
-    found = [_tool(read_field(path, name)) | _cooked(folder / f"{name}.rfield") for name in tools(path)]
-    for tool in found:
-        if tool["rfield"] and tool["rfield"]["tool_hash"] != tool["hash"]:
-            what = "was cooked for another tool than the asset's of that name"
-            raise InputError(InputProblem(tool["rfield"]["path"], "", None, what, f"palpate cook {folder}"))
+    fields = [read_field(path, name) for name in tools(path)]
+    found = [
+        _tool(field)
+        | (_cooked(folder / f"{field.tool.name}.rfield") if not field.family else {"rfield": None})
+        for field in fields
+    ]
+    for field in fields:
+        for file, tool_hash in _files(folder, field):
+            if file.is_file() and _cooked(file)["rfield"]["tool_hash"] != tool_hash:
+                what = "was cooked for another tool than the asset's of that name"
+                again = f"palpate cook {folder}, or no such file"
+                raise InputError(InputProblem(str(file), "", None, what, again))
     everything = sorted(file for file in folder.rglob("*") if file.is_file())
     files = [file for file in everything if file.relative_to(folder).parts[0] != "work"]
     result = {
@@ -96,6 +105,13 @@ def _asset(path: Path) -> Answer:
             *(line for tool in found for line in _troubles(tool)),
         ],
     )
+
+
+def _files(folder: Path, field: ResponseField) -> list[tuple[Path, str]]:
+    """Where a tool's cooked fields are, and the hash of the tool that each is of."""
+    if not field.family:
+        return [(folder / f"{field.tool.name}.rfield", field.tool.hash)]
+    return [(folder / file_name(field.tool.name, own.radius), own.tool.hash) for own in field.family]
 
 
 def _cooked(path: Path) -> dict[str, Any]:

@@ -46,7 +46,7 @@ class OrganMesh:
         points (P, 3) m, tets (T, 4): tetrahedra, positive.
         material, supports, regions, capsule: the scene's tables.
         report: surface and mesh reports, JSON-clean.
-        hash: hex digest of mesh, materials, capsule and supports; every press depends on it.
+        hash: hex digest of mesh, materials, painted stiffness, capsule and supports; every press depends on it.
         paint: painted scalars by kind (paint.py), (V,) at the vertices.
     """
 

@@ -126,7 +126,10 @@ def _painted(scene: Scene, kind: str, name: str, parts: list[_Part]) -> np.ndarr
                 f"one of {', '.join(there)}" if there else "a PLY or GLB that holds it; this file holds none"
             )
             return scene.problem(key, name, what, expected)
-        value = np.asarray(value, float)
+        value = np.asarray(value)
+        if value.dtype.kind not in "biuf":
+            return scene.problem(key, name, f"is no number per vertex of {file}", "one number a vertex")
+        value = value.astype(float)
         if value.size != len(part.vertices):
             what = f'has {value.size} values on part "{part.name}" of {file}, which has {len(part.vertices)} vertices'
             return scene.problem(key, name, what, "one number a vertex")

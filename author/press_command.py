@@ -112,7 +112,7 @@ def press(
             job,
             lateral=None if lateral is None else (float(lateral[0]), float(lateral[1])),
             shape=files.shows_shape,
-            friction=_friction(scene, named) if drag else 0.0,
+            friction=_friction(scene, named, mesh, job) if drag else 0.0,
             drag=tuple(float(share * depth) for share in DRAG_SHARES) if drag else (),
         )
         progress.stage("press", len(job.depths) + len(job.drag))
@@ -165,8 +165,11 @@ def _job(
     )
 
 
-def _friction(scene: Scene, tool: Tool) -> float:
-    """The tool's coefficient.  Raises InputError where there is none to drag with."""
+def _friction(scene: Scene, tool: Tool, mesh: OrganMesh, job: PressJob) -> float:
+    """The coefficient, the tool's or painted.  Raises InputError where there is none to drag with."""
+    painted = mesh.painted("friction", np.array([job.contact_point]))
+    if painted is not None and painted[0] > 0.0:
+        return float(painted[0])
     if not tool.friction:
         key = f"tool[{scene.tool.index(tool)}].friction"
         raise InputError(

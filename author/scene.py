@@ -68,10 +68,10 @@ class Scene(Table):
         raise InputError(InputProblem(str(self.file), "tool", name, what, "one of " + ", ".join(names)))
 
     def depth_max(self, tool: Tool) -> float:
-        """Depth that presses with `tool` are asked to reach, m."""
+        """Depth that presses with `tool` are asked to reach, m; of a family, its largest radius (tool_members.py)."""
         if self.reach.depth_max is not None:
             return self.reach.depth_max
-        return tool.radius[0] if tool.radius else DEPTH_WITHOUT_RADIUS
+        return max(tool.radius) if tool.radius else DEPTH_WITHOUT_RADIUS
 
     def problem(
         self, key: str, value: Any, what: str, expected: str, introduced_by: str = "expected"

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -79,35 +78,44 @@ def two_contacts(
             }
         )
         progress.advance()
-    result = {"tool": authored.field.tool.name, "seed": seed, "depth": depths.tolist(), "pairs": rows}
+    result = {
+        "tool": authored.field.tool.name,
+        "tool_hash": authored.field.tool.hash,
+        "organ": authored.field.provenance["organ"],
+        "seed": seed,
+        "depth": depths.tolist(),
+        "pairs": rows,
+    }
     folder = asset if asset.is_dir() else asset.parent
     path = folder / "validation" / RECORD.format(tool=result["tool"])
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(result))
-    _show(folder)
+    _show(folder, progress)
     return {**result, "record": str(path)}
 
 
-def _show(folder: Path) -> None:
-    """Write the asset's report anew, with what was found."""
+def _show(folder: Path, progress: Progress) -> None:
+    """Write the asset's report anew, with what was found; it is kept beside the asset whether or not that succeeds."""
     from palpate.author.report import write_report
 
-    with suppress(OSError, ValueError):
+    try:
         write_report(folder, json.loads((folder / "summary.json").read_text()))
+    except (OSError, ValueError) as error:
+        progress.say(f"the report does not show it: {error}")
 
 
 def _pair(samples: ReachSamples, distance: float, least: float, seed: int, asset: Path) -> np.ndarray:
     """(2, 3) m; places that may be pressed, `distance` (m) apart."""
     points = samples.points[samples.allowed]
     first = points[np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))]
-    miss = np.abs(np.linalg.norm(points - first, axis=1) - distance)
+    away = np.linalg.norm(points - first, axis=1)
+    miss = np.where(away > least, np.abs(away - distance), np.inf)
     problem = f"{1e3 * distance:g} mm"
     if distance <= least:
         what, expected = "is so near that the contacts overlap", f"more than {1e3 * least:.1f} mm"
         raise InputError(InputProblem(str(asset), "--apart", problem, what, expected))
     if miss.min() > NEAR_ENOUGH * distance:
-        largest = np.linalg.norm(points - first, axis=1).max()
-        what, expected = "is more than the reach holds", f"at most {1e3 * largest:.0f} mm"
+        what, expected = "is more than the reach holds", f"at most {1e3 * away.max():.0f} mm"
         raise InputError(InputProblem(str(asset), "--apart", problem, what, expected))
     near = np.flatnonzero(miss <= max(samples.spacing, miss.min()))
     return np.stack([first, points[np.random.default_rng(seed).choice(near)]])

@@ -67,7 +67,9 @@ def validate(
         if not samples.allowed.any():
             what = "holds no surface that the tool may press"
             raise InputError(
-                InputProblem(str(asset), "--within", within, what, "a ball that meets the reach")
+                InputProblem(
+                    str(asset), "--within", _millimetres(within), what, "a ball that meets the reach"
+                )
             )
     chosen = samples.points[held_out_points(samples, points, seed)]
     friction = authored.friction(chosen)
@@ -102,6 +104,8 @@ def validate(
         "tool": field.tool.name,
         "seed": seed,
         "within": within.model_dump() if within else None,
+        "radius": radius,
+        "dragged": drag,
         **judged,
     }
     name = f"{field.tool.name}-seed{seed}-{points}"
@@ -109,10 +113,16 @@ def validate(
         name += f"-radius-{1e3 * radius:.6g}mm"
     if within:
         name += "-within-" + "_".join(f"{1e3 * x:.1f}" for x in (*within.center, within.radius)) + "mm"
+    if drag:
+        name += f"-drag-{drag}"
     path = folder / "validation" / f"{name}.json"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(judged))
     return {**judged, "record": str(path)}
+
+
+def _millimetres(ball: Sphere) -> str:
+    return ",".join(f"{1e3 * x:g} mm" for x in (*ball.center, ball.radius))
 
 
 def _judged(field: ResponseField, radius: float | None) -> list[FamilyRadius]:

@@ -60,7 +60,7 @@ class Organ:
         label: (T,) region label of each tetrahedron (of its middle, where `label_at` is given).
         held: predicate of fixed supports, (n, 3) m -> (n,) bool; surface faces inside it are fixed.
         project: (n, 3) m -> points on the smooth surface and outward unit normals, both (n, 3).
-        hash: hex digest of mesh, materials, capsule and supports.
+        hash: hex digest of mesh, materials and their scale, capsule and supports.
         label_at: (n, 3) m -> (n,) region labels.  With it, a tetrahedron cut by a region's border mixes the energies
             of the materials at SAMPLES, so that the border is where the scene says and not where the mesh is.
         capsule: membrane that covers the whole surface, or None.
@@ -135,6 +135,10 @@ class Organ:
     def materials(self) -> tuple[Material, ...]:
         """M materials, in the order of their labels."""
         return tuple(self.material[k] for k in sorted(self.material))
+
+    def scale_at(self, point: np.ndarray) -> float:
+        """What multiplies the stored energy at point (3,) m."""
+        return 1.0 if self.scale is None else float(self.scale(point[None])[0])
 
     def fractions_of(self, points: np.ndarray, tets: np.ndarray, label: np.ndarray) -> np.ndarray:
         """(T, M); share of each material in tetrahedra (T, 4) on points (P, 3) m with region labels (T,).

@@ -171,7 +171,7 @@ def open_site(
         body,
         surface,
         patch,
-        organ.material[int(label)].youngs_modulus,
+        organ.material[int(label)].youngs_modulus * organ.scale_at(centre),
         fidelity,
         tilted(normal, tilt),
         organ.thickness(centre, normal),

@@ -26,6 +26,7 @@ from palpate.fem_offline.body import patch_space
 from palpate.fem_offline.clearance import why_not_placed
 from palpate.fem_offline.contact import contact_surface
 from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError
+from palpate.fem_offline.errors import ToolError
 from palpate.fem_offline.far_field import condense, interface_nodes
 from palpate.fem_offline.footprint import Footprint
 from palpate.fem_offline.full_body import FullBody
@@ -168,7 +169,8 @@ def press_two(
     Raises:
         PatchError: the patch could not be meshed.
         EquilibriumError: a state did not converge, or action and reaction differ.
-        ValueError: the two contacts would overlap, or a tool is in the tissue before it is pressed.
+        ValueError: the two contacts would overlap.
+        ToolError: a tool is in the tissue before it is pressed.
     """
     centre, normal = organ.project(np.asarray(points, float))
     if np.linalg.norm(centre[1] - centre[0]) < 2.0 * size.extent:
@@ -185,7 +187,7 @@ def press_two(
         both = _Both(tool, centre, normal, pressed)
         reason = why_not_placed(site, both, float(depths[-1]))
         if reason:
-            raise ValueError(reason)
+            raise ToolError(reason, "two contacts", "flatter places")
         ladder = Ladder.above(site, both, settings, float(depths[-1]))
         for at, depth in enumerate(depths):
             found = ladder.go_to(float(depth))
@@ -228,7 +230,7 @@ def _site(organ: Organ, centre: np.ndarray, normal: np.ndarray, size: PatchSize)
         body,
         contact_surface(space.nodes, faces),
         patch,
-        organ.material[int(label)].youngs_modulus,
+        organ.material[int(label)].youngs_modulus * organ.scale_at(centre[0]),
         "full",
         tilted(normal[0]),
         organ.thickness(centre[0], normal[0]),

@@ -51,7 +51,7 @@ def gather(asset: Path, summary: dict[str, Any]) -> Sources:
     notes: list[str] = []
     kept = asset / "validation"
     validations = [_validation(kept / f"{field.tool.name}.json", notes) for field in fields]
-    pairs = [_validation(kept / TWO_CONTACTS.format(tool=field.tool.name), notes) for field in fields]
+    pairs = [_pairs(kept / TWO_CONTACTS.format(tool=field.tool.name), field, notes) for field in fields]
     paths = sorted(path for path in asset.rglob("*") if path.is_file())
     relative = [(path, path.relative_to(asset)) for path in paths]
     files = [
@@ -63,6 +63,17 @@ def gather(asset: Path, summary: dict[str, Any]) -> Sources:
         notes.append(f"The scene's device is not held against the field: {unknown}")
     device = HapticDevice(**summary["device"]) if summary.get("device") else None
     return Sources(asset, read_organ(asset), fields, validations, pairs, files, summary, notes, device)
+
+
+def _pairs(path: Path, field: ResponseField, notes: list[str]) -> dict[str, Any] | None:
+    """What two of this tool feel in this organ; None where that was found with another one."""
+    found = _validation(path, notes)
+    if found is None:
+        return None
+    if (found.get("tool_hash"), found.get("organ")) == (field.tool.hash, field.provenance.get("organ")):
+        return found
+    notes.append(f"{path.name} in the validation folder is of another organ or tool; it is not shown.")
+    return None
 
 
 def _validation(path: Path, notes: list[str]) -> dict[str, Any] | None:

@@ -22,6 +22,8 @@ from palpate.fields.response_field import ResponseField
 __all__ = ["known_surface"]
 
 AROUND = 10e-3
+AT_ONCE = 50_000
+"""Points whose distance is looked up together, 3.8 kB each (count)."""
 """m."""
 
 
@@ -63,8 +65,11 @@ def _level(field: ResponseField, level: float) -> tuple[np.ndarray, np.ndarray]:
     grid = pyvista.ImageData(
         dimensions=tuple(count + 1), spacing=(lattice.spacing,) * 3, origin=tuple(lattice.origin)
     )
-    sample = sample_lattice(lattice, np.asarray(grid.points, float))
-    grid["phi"], grid["known"] = sample.value[:, 0], sample.present.astype(float)
+    points = np.asarray(grid.points, float)
+    parts = np.array_split(points, max(1, len(points) // AT_ONCE))
+    samples = [sample_lattice(lattice, part) for part in parts]
+    grid["phi"] = np.concatenate([sample.value[:, 0] for sample in samples])
+    grid["known"] = np.concatenate([sample.present for sample in samples]).astype(float)
     known = grid.threshold(0.5, scalars="known", all_scalars=True)
     made = known.contour([level], scalars="phi").triangulate()
     return np.asarray(made.points, float), np.asarray(made.regular_faces).copy()

@@ -28,7 +28,7 @@ def write(asset: Path, summary: dict[str, Any]) -> Path:
     maps = [reach_map(sources.organ, field) for field in sources.fields]
     device = sources.device
     device_maps = [
-        device_map([field], reach, device)
+        device_map(field.fields_by_way(), reach, device)
         for field, reach in zip(sources.fields, maps, strict=True)
         if device
     ]

@@ -180,7 +180,7 @@ void lift_off(palpate_session& s, double work, const double step[3]) PALPATE_REA
 
 // What needs the normal alone is done before the response, so that the processor can do both at once.
 bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) PALPATE_REAL_TIME {
-    const bool plain = s.field->way_count == 1 && s.config.response == PALPATE_RESPONSE_POTENTIAL;
+    const bool one_cell = plain(s);
     tissue under;
     under.field = s.field;
     under.distance_gradient = at.gradient;
@@ -200,7 +200,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
 
     response r;  // at the new place, as it was touched
     double offset;
-    if (plain) {
+    if (one_cell) {
         under.depth = at.depth;
         offset = s.offset < at.depth ? s.offset : at.depth;
         if (!m.in_cell) go_to(*s.field, m.q[0], m.q[1], m.q[2], s.under_amplitudes);
@@ -219,7 +219,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
         return false;
     }
     hold(s.books, m.work, s.energy + spring_energy(s.spring), r.energy + held);
-    if (!plain) change_touch(s, m, under, offset, r, status);
+    if (!one_cell) change_touch(s, m, under, offset, r, status);
 
     if (s.config.passivity_control != 0) {
         const double excess = s.books.hold_leak - s.books.dissipated_friction - s.books.dissipated_rule;

@@ -21,6 +21,11 @@ struct motion {
     bool in_cell;    // the session's amplitude cell is that of q
 };
 
+// One way of touching, and forces from the potential: one cell of amplitudes is all that contact reads.
+inline bool plain(const palpate_session& s) PALPATE_REAL_TIME {
+    return s.field->way_count == 1 && s.config.response == PALPATE_RESPONSE_POTENTIAL;
+}
+
 // Contact at m.q; fills `out`.  False (with a status bit) where it cannot be: the caller ends it.
 bool contact(palpate_session& s, const motion& m, const location& at, std::uint32_t& status, palpate_tool_response& out) PALPATE_REAL_TIME;
 

@@ -136,7 +136,7 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     motion m;
     double q[3];  // its numbers go on without waiting for memory
     reference_point(state, s.config.reference_point, q);
-    m.in_cell = s.touching;
+    m.in_cell = s.touching && plain(s);
     if (m.in_cell) go_to(*s.field, q[0], q[1], q[2], s.under_amplitudes);
     location at;
     locate(*s.field, q[0], q[1], q[2], s.under_distance, at);

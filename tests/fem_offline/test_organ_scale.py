@@ -11,6 +11,9 @@ import pytest
 
 from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.organ import Organ
+from palpate.fem_offline.press import press
+from palpate.fem_offline.site import open_site, patch_size
+from palpate.fem_offline.tool import Sphere
 from palpate.fem_offline.verification.blocks import block_organ
 
 
@@ -46,3 +49,16 @@ def test_a_tetrahedron_has_the_mean_scale_of_its_inside_and_the_border_stays_whe
     whole = (organ.fractions == 1.0).any(axis=1)
     share = sloped.fractions[whole] / sloped.fractions[whole].sum(axis=1, keepdims=True)
     np.testing.assert_allclose(share, organ.fractions[whole], atol=1e-14)
+
+
+def test_a_press_into_tissue_of_any_scale_is_that_many_times_as_hard():
+    """Contact too: its penalty follows the tissue at the contact."""
+    ball, depth = Sphere(5e-3), np.array([1e-3])
+    plain = block_organ((0.05, 0.05, 0.03), (5, 5, 3), {0: NeoHookean(5400.0, 0.48)})
+    force = {}
+    for scale in (0.01, 1.0, 100.0):
+        organ = replace(plain, scale=lambda x, scale=scale: np.full(len(x), scale))
+        site = open_site(organ, np.zeros(3), ball, patch_size(ball, 1e-3, radius=0.01), "full")
+        force[scale] = press(site, ball, depth).force[-1]
+    assert force[0.01] == pytest.approx(0.01 * force[1.0], rel=1e-5)
+    assert force[100.0] == pytest.approx(100.0 * force[1.0], rel=1e-5)

@@ -250,7 +250,8 @@ PALPATE_API palpate_status palpate_session_reset(palpate_session* session) PALPA
  * on; that tick moves in the old field first, then changes, and takes up to 45 further evaluations of curves.  While
  * touching, stored energy does not rise: where the new field would hold more, its surface yields (surface_offset) until it
  * does not, and comes back with the tool.  The force may step.  Where the new field has no contact, or a surface that faces
- * away, contact is released.  A change of way of touching (tilt) within one field follows the same rule, every tick.  Until the next tick returns the old field must stay open. */
+ * away, contact is released.  A change of way of touching (tilt) within one field follows the same rule, every tick.  The old field must stay open
+ * until a tick has returned without PALPATE_TICK_BAD_INPUT and PALPATE_TICK_BAD_ARGUMENT, which leave before they change. */
 PALPATE_API palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_REAL_TIME;
 
 /* Copies the session's bytes to `memory` (as in palpate_session_init) and returns the copy in *snapshot. */

@@ -85,7 +85,7 @@ def _high(made: DeviceMap) -> float:
 
 
 def _limit(made: DeviceMap) -> str:
-    return f"{made.allowed:.3g}"
+    return f"{float(f'{made.allowed:.3g}'):.10g}"  # three digits, without an exponent
 
 
 def _colours(border: float) -> ListedColormap:

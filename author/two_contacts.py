@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.authored_tool import authored_tool
-from palpate.author.errors import InputError, InputProblem
+from palpate.author.errors import InputError, InputProblem, PalpateError
 from palpate.author.progress import Progress, SilentProgress
 from palpate.author.sampling import ReachSamples
 from palpate.author.tool_stage import solid_tool
@@ -49,6 +49,8 @@ def two_contacts(
         InputError: the reach is smaller than a distance, or the contacts would overlap.
         PalpateError: finite elements did not converge.
     """
+    from palpate.fem_offline.equilibrium import EquilibriumError
+    from palpate.fem_offline.patch import PatchError
     from palpate.fem_offline.site import patch_size
     from palpate.fem_offline.two_contacts import press_two
 
@@ -64,7 +66,10 @@ def two_contacts(
     progress.stage("two contacts", len(pairs))
     organ, rows = authored.mesh.organ, []
     for distance, points in zip(apart, pairs, strict=True):
-        found = press_two(organ, points, solid, depths, size)
+        try:
+            found = press_two(organ, points, solid, depths, size)
+        except (EquilibriumError, PatchError, ArithmeticError) as error:
+            raise PalpateError(f"two contacts {1e3 * distance:g} mm apart: {error}") from error
         rows.append(
             {
                 "asked": distance,

@@ -10,11 +10,12 @@ import pytest
 
 from palpate.assets import scene_path
 from palpate.author import pipeline, tool_work
-from palpate.author.errors import InputError
+from palpate.author.errors import InputError, PalpateError
 from palpate.author.place import Sphere
 from palpate.author.scene import load_scene
 from palpate.author.two_contacts import two_contacts
 from palpate.author.validate import validate
+from palpate.fem_offline.equilibrium import EquilibriumError
 from palpate.fem_offline.two_contacts import TwoContacts
 from palpate.fields.usd_read import read_field, tools
 from palpate.fields.usd_validators import asset_errors
@@ -121,6 +122,14 @@ def test_two_contacts_are_kept_and_shown(block, out, monkeypatch):
     monkeypatch.setattr(
         "palpate.author.two_contacts._pair", lambda *a: np.array([[0.0] * 3, [0.02, 0.0, 0.0]])
     )
+
+    def stopped(*given):
+        raise EquilibriumError("no convergence in 40 Newton steps")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("palpate.fem_offline.two_contacts.press_two", stopped)
+        with pytest.raises(PalpateError, match="two contacts 20 mm apart: no convergence"):
+            two_contacts(out, [0.02])
     found = two_contacts(out, [0.02])
     assert found["pairs"][0]["normal_error"] == [pytest.approx([0.1, 0.25])] * 2
     report = json.loads((out / "report" / "report.json").read_text())

@@ -34,6 +34,7 @@ from palpate.author.tool_family import (
 from palpate.author.tool_members import members_of
 from palpate.author.tool_work import TRUTH, cooked
 from palpate.fields.as_cooked import as_cooked
+from palpate.fields.band import tool_band
 from palpate.fields.build_field import build_field
 from palpate.fields.response_field import ContactGeometry, FamilyMember, ResponseField
 
@@ -67,6 +68,7 @@ class FamilyWork(SharedPlaces):
             self._beyond,
             margin=REACH_MARGIN,
             provenance=self._provenance(self._whole, self._named) | failed,
+            band=tool_band([(largest.tool.offset, float(largest.nodes.depth_knots[-1]))]),
         )
         return replace(as_cooked(field), family=tuple(members))
 

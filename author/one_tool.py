@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.author.errors import InputError, InputProblem
-from palpate.author.field_stage import tool_band
+from palpate.author.field_stage import band_of_tool
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.fields.organ_geometry import OrganGeometry, organ_hash
@@ -54,7 +54,7 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
         what = "holds an asset whose organ, material, mesh, supports, regions or reach are not this scene's"
         raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
     geometry = read_contact(interface)
-    low, high = tool_band(scene, tool)
+    low, high = band_of_tool(scene, tool)
     if low < geometry.band[0] - SLACK or high > geometry.band[1] + SLACK:
         known, needed = (_millimetres(*band) for band in (geometry.band, (low, high)))
         what = f"needs the organ's distance known {needed} from the surface; this asset knows it {known}"

@@ -18,6 +18,7 @@ from palpate.author.held_out import held_out_jobs
 from palpate.author.press_jobs import PressJob
 from palpate.author.tool_stage import ToolShape, reference_of
 from palpate.fields.as_cooked import as_cooked
+from palpate.fields.band import tool_band
 from palpate.fields.build_field import build_field
 from palpate.fields.response_field import ResponseField
 from palpate.fields.tool_family import depth_between, nodes_of_radius
@@ -110,6 +111,13 @@ def field_of_radius(
         "tool": reference.hash,
         "family": {"radius": radius, "pressed": pressed},
     }
-    return as_cooked(
-        build_field(nodes, field.geometry, reference, beyond, margin=margin, provenance=provenance)
+    own = build_field(
+        nodes,
+        field.geometry,
+        reference,
+        beyond,
+        margin=margin,
+        provenance=provenance,
+        band=tool_band([(radius, float(nodes.depth_knots[-1]))]),
     )
+    return as_cooked(own)

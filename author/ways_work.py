@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.field_stage import REACH_MARGIN
+from palpate.author.field_stage import REACH_MARGIN, band_of_tool
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob
 from palpate.author.scene import Scene
@@ -74,6 +74,7 @@ class WaysWork(SharedPlaces):
             margin=REACH_MARGIN,
             provenance=provenance,
             tilted=tilted,
+            band=band_of_tool(self._whole, self._named),
         )
         return as_cooked(field)
 

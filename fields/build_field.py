@@ -61,6 +61,7 @@ def build_field(
     with_gradients: bool = True,
     provenance: dict[str, Any] | None = None,
     tilted: Sequence[tuple[ToolReference, ResponseNodes]] = (),
+    band: np.ndarray | None = None,
 ) -> ResponseField:
     """Build the response field.
 
@@ -78,6 +79,7 @@ def build_field(
         provenance: copied to the field.
         tilted: further ways of touching, by rising tilt: the same tool held otherwise, its nodes at the same places
             and knots.  All ways share curves of depth and the lattice's place; amplitudes are each one's own.
+        band: (2,) m that the tool needs; kept as far as the geometry's reaches, and all of that when None.
 
     Returns:
         The field; `representation` holds errors as fractions (see `representation_errors` and `SiteCurves.report`),
@@ -93,13 +95,14 @@ def build_field(
             f"{amplitude_spacing} m needed"
         )
     depth_end = float(nodes.depth_knots[-1])
+    band = geometry.band if band is None else np.clip(band, *geometry.band)
     depth = depth_end * (np.arange(2 * INTERVALS) + 1) / (2 * INTERVALS)
     ways = []
     for held, own in ((tool, nodes), *tilted):
         sites = SiteCurves.from_nodes(
             own, geometry, held.offset, normal_length, with_gradients=with_gradients
         )
-        samples = _samples(own, geometry, held.offset, reach, amplitude_spacing, margin)
+        samples = _samples(own, geometry, held.offset, reach, amplitude_spacing, margin, band[0])
         ways.append((held, own, sites, samples, sites.at(samples.surface, samples.normal, depth)))
     second = [
         second_derivatives(depth, curves.energy, curves.force, depth_end, INTERVALS, convex=sites.convex)
@@ -139,6 +142,7 @@ def build_field(
             TiltedWay(held, own, lattice)
             for (held, own, *_), lattice in zip(ways[1:], lattices[1:], strict=True)
         ),
+        band=band,
     )
     field.representation["low_rank_force_p95"] = energy.error_p95
     for i, ((_, _, sites, s, _), own) in enumerate(zip(ways, field.fields_by_way(), strict=True)):
@@ -177,9 +181,10 @@ def _samples(
     reach: ScalarField,
     spacing: float,
     margin: float,
+    lowest: float,
 ) -> _Samples:
     """Samples through the band, and at every knot of the nodes' own presses."""
-    q, surface, normal, cells, beyond = band_samples(geometry, offset, reach, spacing, margin)
+    q, surface, normal, cells, beyond = band_samples(geometry, offset, reach, spacing, margin, lowest)
     inside = np.flatnonzero(reach(surface) <= 0)
     held = nodes.position[:, None] + (offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
     repeat = nodes.depth_knots.size - 1
@@ -196,9 +201,9 @@ def _samples(
 
 
 def band_samples(
-    geometry: ContactGeometry, offset: float, reach: ScalarField, spacing: float, margin: float
+    geometry: ContactGeometry, offset: float, reach: ScalarField, spacing: float, margin: float, lowest: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Tool positions where the amplitudes are to be known.
+    """Tool positions where the amplitudes are to be known, at phi of `lowest` m and above.
 
     Returns:
         Of the samples, at most one in each (spacing / 2)^3 of the band: position (n, 3) m, surface point (n, 3) m,
@@ -208,14 +213,15 @@ def band_samples(
     lattice = geometry.signed_distance
     points = lattice.origin + (known_cells(lattice) + 0.5) * lattice.spacing
     phi = sample_lattice(lattice, points).value[:, 0]
-    points, phi = points[phi < offset + lattice.spacing], phi[phi < offset + lattice.spacing]
+    touching = (phi < offset + lattice.spacing) & (phi > lowest - lattice.spacing)
+    points, phi = points[touching], phi[touching]
     surface, normal = foot_points(geometry, points)
     beyond = reach(surface)
     if not (beyond <= 0).any():
         raise ValueError("response field: no tool position in contact lies within the reach")
     near = beyond < margin
     points, phi, surface, normal, beyond = (a[near] for a in (points, phi, surface, normal, beyond))
-    sampled = phi > geometry.band[0] - 0.5 * spacing
+    sampled = phi > lowest - 0.5 * spacing
     voxel = np.floor(points[sampled] / (0.5 * spacing)).astype(np.int64)
     _, first = np.unique(voxel, axis=0, return_index=True)
     chosen = np.flatnonzero(sampled)[np.sort(first)]

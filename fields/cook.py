@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """ResponseField -> the bytes of an .rfield, which the runtime reads in place.
 
-Geometry coefficients become int16 counts of at most 1 um (`SCALE_MAX`), so they are off by at most half a
-micrometre; amplitudes become float32 (relative 6e-8); curves stay double.  The same field always gives the
-same bytes: nothing in the file depends on the time, the machine or the order of a dictionary.
+Of the geometry, which all tools of an asset share, the file holds what the tool's band needs.  Its coefficients
+become int16 counts of at most 1 um (`SCALE_MAX`), so they are off by at most half a micrometre; amplitudes become
+float32 (relative 6e-8); curves stay double.  The same field always gives the same bytes: nothing in the file
+depends on the time, the machine or the order of a dictionary.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
+from palpate.fields.band import blocks_in_band
 from palpate.fields.largest_stiffness import largest_stiffness
 from palpate.fields.lattice import ABSENT_UNREACHED, Lattice
 from palpate.fields.response_field import DepthCurves, ResponseField
@@ -89,11 +91,12 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
     _check_ways(ways, cosines)
     geometry, amplitudes = field.geometry.signed_distance, field.amplitudes
     counts, scale, bias = geometry_counts(geometry)
+    kept = blocks_in_band(field.geometry, field.own_band)
     amplitude_index, rows = _amplitude_rows([way.amplitudes for way in ways])
     provenance = json.dumps(_plain(field.provenance), sort_keys=True, separators=(",", ":"), allow_nan=False)
     arrays = [
-        geometry.block_index.astype("<i4"),
-        counts,
+        kept.index.astype("<i4"),
+        counts[kept.rows],
         amplitude_index,
         rows,
         _curve_rows(field.energy_curves),
@@ -115,7 +118,7 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
         "tool_offset": max(way.tool.offset for way in ways),
         "depth_max": field.depth_max,
         "stiffness_max": max(largest_stiffness(way) for way in ways),
-        "band": field.geometry.band,
+        "band": field.own_band,
         "geometry_error_p99": field.geometry.error_p99,
         "geometry_flagged_share": field.geometry.flagged_share,
         "geometry_origin": geometry.origin,
@@ -123,7 +126,7 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
         "geometry_scale": scale,
         "geometry_bias": bias,
         "geometry_blocks": geometry.block_index.shape,
-        "geometry_stored": geometry.block_count,
+        "geometry_stored": len(kept.rows),
         "amplitude_origin": amplitudes.origin,
         "amplitude_spacing": amplitudes.spacing,
         "amplitude_blocks": amplitudes.block_index.shape,

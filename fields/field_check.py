@@ -21,6 +21,12 @@ def check_field(field: ResponseField) -> None:
     """Raise FieldError where `field` breaks a shape, a count, or a zero at first contact."""
     where = f"field {field.tool.name!r}"
     check_contact_geometry(field.geometry, where)
+    _check_array(field.own_band, (2,), f"{where}: band")
+    (low, high), (least, most) = field.own_band, field.geometry.band
+    if not least <= low < high <= most:
+        raise FieldError(
+            f"{where}: band is {low}..{high} m; within the geometry's {least}..{most} m is right"
+        )
     _check_nodes(field.nodes, where)
     _check_family(field, where)
     _check_ways(field, where)

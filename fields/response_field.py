@@ -199,6 +199,7 @@ class ResponseField:
             between them); empty where it is not.
         ways: further ways of touching, by rising tilt, where `tool` is upright and was pressed tilted as well; empty
             where one way holds.  A node holds the mean of two presses that lean opposite ways.
+        band: (2,) m; the part of the geometry's band that `tool` needs, which is what its file holds; None for all.
     """
 
     tool: ToolReference
@@ -213,6 +214,12 @@ class ResponseField:
     provenance: dict[str, Any] = field(default_factory=dict)
     family: tuple[FamilyMember, ...] = ()
     ways: tuple[TiltedWay, ...] = ()
+    band: np.ndarray | None = None
+
+    @property
+    def own_band(self) -> np.ndarray:
+        """(2,) m; smallest and largest phi of the reference point for which the field is meant to be read."""
+        return self.geometry.band if self.band is None else self.band
 
     def fields_by_way(self) -> list[ResponseField]:
         """The field of each way by itself, the upright one first."""

@@ -96,6 +96,7 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
         "tool_tilt": tool.tilt,
         "tool_hash": tool.hash,
         "depth_max": field.depth_max,
+        "band": field.own_band,
         "representation_names": sorted(field.representation),
         "representation_values": [field.representation[name] for name in sorted(field.representation)],
         "provenance": json_text(field.provenance, f"{where}: provenance"),
@@ -154,15 +155,17 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
             )
     curves = {name: _read_curves(_child(response, name)) for name in _CURVES}
     tool, nodes = _read_tool(response, values), _read_nodes(_child(response, "Nodes"))
+    geometry = contact_from_prim(root)
     field = ResponseField(
         tool=tool,
-        geometry=contact_from_prim(root),
+        geometry=geometry,
         nodes=nodes,
         energy_curves=curves["EnergyCurves"],
         stiffness_curves=curves["StiffnessCurves"],
         friction_curves=curves["FrictionCurves"],
         amplitudes=_read_lattice(_child(response, "Amplitudes")),
         depth_max=values["depth_max"],
+        band=None if np.array_equal(values["band"], geometry.band) else values["band"],
         representation=_pairs(response, values, "representation"),
         provenance=json.loads(values["provenance"]),
         family=_read_family(response, tool, nodes),

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The part of a shared contact geometry that one tool needs."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from known_organ import BALL, KnownOrgan, geometry_of
+from synthetic_field import sphere_organ
+
+from palpate.fields.band import blocks_in_band, tool_band
+from palpate.fields.cook import cook
+from palpate.fields.field_check import check_field
+from palpate.fields.field_error import FieldError
+from palpate.fields.interpolation import evaluate
+from palpate.fields.lattice import ABSENT_INSIDE, ABSENT_OUTSIDE, Lattice
+from palpate.fields.lattice_stencil import sample_lattice
+from palpate.fields.rfield_read import read_header, read_rfield
+
+ORGAN = KnownOrgan(BALL)
+GEOMETRY = geometry_of(ORGAN, 1.0e-3)
+
+
+def kept(band: tuple[float, float]) -> Lattice:
+    part, lattice = blocks_in_band(GEOMETRY, np.array(band)), GEOMETRY.signed_distance
+    return dataclasses.replace(
+        lattice, block_index=part.index, coefficients=lattice.coefficients[part.rows]
+    )
+
+
+def test_a_band_goes_from_below_the_deepest_press_to_free_space_in_every_way_of_holding():
+    np.testing.assert_allclose(tool_band([(5e-3, 6e-3)]), (-2.8e-3, 8e-3))
+    np.testing.assert_allclose(tool_band([(5e-3, 2e-3), (0.0, 2e-3)]), (-3.5e-3, 8e-3))
+
+
+def test_within_its_band_a_part_says_what_the_whole_says():
+    low, high = GEOMETRY.band[0] + 3e-3, GEOMETRY.band[1] - 2e-3
+    c = ORGAN.cap_points(300, np.random.default_rng(2), 15e-3)
+    q = c + np.linspace(low, high, 300)[:, None] * ORGAN.normal(c)
+    part, whole = sample_lattice(kept((low, high)), q), sample_lattice(GEOMETRY.signed_distance, q)
+    assert part.present.all()
+    np.testing.assert_array_equal(part.value, whole.value)
+
+
+def test_what_goes_is_free_above_and_too_deep_below():
+    low, high = GEOMETRY.band
+    c = ORGAN.cap_points(50, np.random.default_rng(2), 10e-3)
+    for band, phi, label in (
+        ((high - 0.2e-3, high), low, ABSENT_INSIDE),
+        ((low, low + 0.2e-3), high, ABSENT_OUTSIDE),
+    ):
+        lattice = kept(band)
+        assert lattice.block_count < GEOMETRY.signed_distance.block_count
+        block = np.floor((c + phi * ORGAN.normal(c) - lattice.origin) / (4 * lattice.spacing)).astype(int)
+        found = lattice.block_index[tuple(block.T)]
+        assert (found[found < 0] == label).all() and (found < 0).mean() > 0.5
+
+
+def test_a_file_holds_its_tools_band_and_renders_the_same_there():
+    field = sphere_organ()
+    low, high = field.geometry.band
+    narrow = dataclasses.replace(field, band=np.array([low + 1e-3, high - 1e-3]))
+    part, whole = cook(narrow), cook(field)
+    assert len(part) < len(whole)
+    np.testing.assert_array_equal(read_header(part)["band"], narrow.band)
+    q = np.array([[0.0, 0.0, field.tool.offset + 30e-3 - 1e-3]])
+    for name in ("energy", "gradient"):
+        a, b = (getattr(evaluate(read_rfield(data), q), name) for data in (part, whole))
+        assert np.abs(a).max() > 0
+        np.testing.assert_array_equal(a, b)
+
+
+def test_a_band_beyond_the_geometrys_is_refused():
+    field = sphere_organ()
+    wide = dataclasses.replace(field, band=field.geometry.band + 1e-3)
+    with pytest.raises(FieldError, match="within the geometry's"):
+        check_field(wide)

@@ -5,7 +5,7 @@
 Candidates cover the reachable surface evenly.  Farthest points (Gonzalez 1985), which reach the reach's border by
 themselves, are where nodes begin (seeds.py); errors choose the rest (sampling_by_error.py).  Held-out points are drawn
 by seed from all of it.  Places that no press could vouch for (held by a support, a crease that the tool's reference
-point sees from two sides, tissue thinner than 2.5 depths) are left out and counted.
+point sees from two sides, a ridge that the tool folds over, tissue thinner than 2.5 depths) are left out and counted.
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ CANDIDATES = 10
 CREASE_TOLERANCE = 0.05
 """Allowed |phi - rho| / rho at the tool's reference point before contact, and |phi + d| / depth where it is in the
 tissue, d deep."""
+RIDGE = np.radians(45.0)
+"""Turn of the normal within a contact beyond which the surface is a ridge (DECISIONS.md: what it cost on a liver)."""
 
 
 @dataclass(frozen=True)
@@ -101,9 +103,12 @@ def reach_samples(
         deepest = offset - depth_max
         there = mesh.distance(points + deepest * normals)
         crease |= np.abs(there - deepest) > CREASE_TOLERANCE * depth_max
+    ridge = _ridges(points, normals, contact) & ~crease
     thin = _thickness_below(mesh, points, normals, depth_max / THICKNESS_SHARE)
     held = _beside_support(mesh, points, normals, contact)
     reasons["crease that the tool sees from two sides"] = int(crease.sum())
+    reasons[f"ridge that turns over within {1e3 * contact:.1f} mm"] = int(ridge.sum())
+    crease |= ridge
     reasons[f"within {1e3 * contact:.1f} mm of a support"] = int((held & ~crease & ~thin).sum())
     reasons[f"thinner than {1e3 * depth_max / THICKNESS_SHARE:.1f} mm"] = int((thin & ~crease).sum())
     return ReachSamples(
@@ -139,6 +144,21 @@ def _thickness_below(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, l
     steps = np.linspace(0.15, 1.0, 8) * limit
     inward = points[:, None] - steps[None, :, None] * normals[:, None]
     return (mesh.distance(inward.reshape(-1, 3)).reshape(len(points), -1) > 0.0).any(axis=1)
+
+
+def _ridges(points: np.ndarray, normals: np.ndarray, contact: float) -> np.ndarray:
+    """Whether the surface bends away by more than RIDGE within `contact` (m) of a point."""
+    tree, least = cKDTree(points), np.cos(RIDGE)
+    found = np.zeros(len(points), bool)
+    for start in range(0, len(points), 4096):  # some 100 neighbours of each
+        part = np.arange(start, min(start + 4096, len(points)))
+        near = tree.query_ball_point(points[part], contact)
+        one = np.repeat(part, [len(row) for row in near])
+        other = np.concatenate(near).astype(int)
+        below = np.sum((points[other] - points[one]) * normals[one], axis=1) < 0.0
+        turned = np.sum(normals[other] * normals[one], axis=1) < least
+        found[one[below & turned]] = True
+    return found
 
 
 def _beside_support(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, contact: float) -> np.ndarray:

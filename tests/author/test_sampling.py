@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Places on a block of 80 x 60 x 30 mm, held at its bottom."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial.distance import cdist, pdist
 
 from palpate.assets import scene_path
@@ -13,7 +16,7 @@ from palpate.author.sampling import farthest_points, held_out_points, reach_samp
 from palpate.author.scene import load_scene
 from palpate.author.scene_tables import Reach
 from palpate.author.seeds import places_of
-from palpate.author.tool_stage import ToolShape
+from palpate.author.tool_stage import ToolShape, contact_extent
 from palpate.author.tool_work import ToolWork
 from palpate.fem_offline.surface import load_surface, repair_surface
 
@@ -82,6 +85,19 @@ def test_tissue_too_thin_for_the_depth_is_left_out_and_counted(scene, mesh):
     deep = reach_samples(mesh, scene.reach, BALL, 13e-3)  # 30 mm thick: at most 12 mm
     assert not deep.allowed.any()
     assert any("thinner" in reason for reason in deep.left_out)
+
+
+def test_a_ridge_that_turns_over_within_the_contact_is_left_out_and_counted_and_flat_beside_it_is_not(mesh):
+    box = trimesh.creation.box((60e-3, 50e-3, 40e-3)).subdivide_to_size(2e-3)
+    box = replace(mesh, vertices=np.array(box.vertices), triangles=np.array(box.faces), supports=())
+    around, contact = reach_samples(box, Reach(), BALL, 2e-3), contact_extent(BALL, 2e-3)
+    top = around.points[:, 2] > 20e-3 - 1e-6
+    inset = (np.array([30e-3, 25e-3]) - np.abs(around.points[:, :2])).min(axis=1)
+    sharp, flat = top & (inset < 0.5 * contact), top & (inset > contact + 4e-3)
+    assert sharp.sum() > 50 and not around.allowed[sharp].any()
+    assert flat.sum() > 50 and around.allowed[flat].all()
+    (count,) = [count for reason, count in around.left_out.items() if "ridge" in reason]
+    assert count >= sharp.sum()
 
 
 def test_a_contact_that_would_reach_a_support_is_left_out_and_counted(mesh):

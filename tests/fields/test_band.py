@@ -24,9 +24,7 @@ GEOMETRY = geometry_of(ORGAN, 1.0e-3)
 
 def kept(band: tuple[float, float]) -> Lattice:
     part, lattice = blocks_in_band(GEOMETRY, np.array(band)), GEOMETRY.signed_distance
-    return dataclasses.replace(
-        lattice, block_index=part.index, coefficients=lattice.coefficients[part.rows]
-    )
+    return dataclasses.replace(lattice, block_index=part.index, coefficients=lattice.coefficients[part.rows])
 
 
 def test_a_band_goes_from_below_the_deepest_press_to_free_space_in_every_way_of_holding():

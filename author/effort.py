@@ -56,7 +56,7 @@ These were measured when a near-field press held no factor of the whole organ.  
 
 NODES_AT_LEAST = 12
 """Fewest nodes that a field may have (count)."""
-SEEDS, SEEDS_AT_LEAST = 0.35, 8
+SEEDS, SEEDS_AT_LEAST = 0.15, 8
 """Share of the most nodes that is pressed before errors are estimated; and fewest (count)."""
 REGION_NODES = 60
 """Nodes more for each region; a nodule of 8 mm, 6 times as stiff, took 25 to 36 (tests/benchmarks/sampling.py)."""

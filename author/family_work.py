@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.field_stage import REACH_MARGIN
+from palpate.author.field_stage import REACH_MARGIN, coarsest_field
 from palpate.author.held_out import judgement_of, percentiles, press_judgements
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob, PressOutcome
@@ -61,14 +61,17 @@ class FamilyWork(SharedPlaces):
         members = [FamilyMember(reference, nodes) for reference, nodes in self._nodes(geometry)]
         largest = members[-1]
         failed = {"failed_presses": self.failures} if self.failures else {}
-        field = build_field(
-            largest.nodes,
-            geometry,
-            largest.tool,
-            self._beyond,
-            margin=REACH_MARGIN,
-            provenance=self._provenance(self._whole, self._named) | failed,
-            band=tool_band([(largest.tool.offset, float(largest.nodes.depth_knots[-1]))]),
+        field = coarsest_field(
+            lambda spacing: build_field(
+                largest.nodes,
+                geometry,
+                largest.tool,
+                self._beyond,
+                amplitude_spacing=spacing,
+                margin=REACH_MARGIN,
+                provenance=self._provenance(self._whole, self._named) | failed,
+                band=tool_band([(largest.tool.offset, float(largest.nodes.depth_knots[-1]))]),
+            )
         )
         return replace(as_cooked(field), family=tuple(members))
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,15 +25,27 @@ from palpate.fields.contact_geometry import contact_geometry
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
 from palpate.fields.response_field import ContactGeometry, ResponseField
 
-__all__ = ["band_of", "band_of_tool", "contact_geometry_of", "field_of", "knots_of", "press_arrays"]
+__all__ = [
+    "band_of",
+    "band_of_tool",
+    "coarsest_field",
+    "contact_geometry_of",
+    "field_of",
+    "knots_of",
+    "press_arrays",
+]
 
 SMALL_MOVE = 1e-4
 """m; the linear sticking stiffness is handed on as two moves this long."""
-GEOMETRY_SPACINGS = (3e-3, 2e-3, 1.5e-3)
+GEOMETRY_SPACINGS = (2e-3, 1.5e-3)
 """m; the first that keeps the signed distance within GEOMETRY_ERROR is taken, or the last."""
-GEOMETRY_ERROR = 25e-6
-"""m at p99: at 20 % of 6 mm of depth, 3 % of a force that goes with d^1.5, and a hundredth of the places have it."""
-REACH_MARGIN = 15e-3
+GEOMETRY_ERROR = 0.004
+"""Of the least depth_max, at p99: 3 % of a force that goes with d^1.5 at 20 % of the depth; a hundredth has that."""
+AMPLITUDE_SPACINGS = (5e-3, 4e-3, 3e-3)
+"""m; the first whose lattice loses at most REPRESENTATION_ERROR is taken, or the one that loses least."""
+REPRESENTATION_ERROR = 0.007
+"""Fraction of force at p95, between the kriged curves and the field: a fifth of the usual tolerance."""
+REACH_MARGIN = 18.75e-3
 """m beyond the reach in which amplitudes fall to zero, and so geometry must be known."""
 
 
@@ -55,11 +67,12 @@ def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) ->
     around = REACH_MARGIN + max(abs(low), abs(high)) + 5e-3
     bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
     beyond = samples.beyond(mesh)
+    shallowest = min(own.depth_max(one) for tool in scene.tool for own, one in members_of(scene, tool))
     for spacing in GEOMETRY_SPACINGS:
         geometry = contact_geometry(
             mesh.distance, beyond, bounds, (low, high), spacing=spacing, reach_margin=REACH_MARGIN
         )
-        if geometry.error_p99 <= GEOMETRY_ERROR:
+        if geometry.error_p99 <= GEOMETRY_ERROR * shallowest:
             break
     return rounded_geometry(geometry)
 
@@ -113,6 +126,17 @@ def knots_of(scene: Scene, tool: Tool) -> np.ndarray:
     return uniform_knots(scene.depth_max(tool), count)
 
 
+def coarsest_field(build: Callable[[float], ResponseField]) -> ResponseField:
+    """The field that `build` makes of an amplitude spacing (m), with the coarsest that represents it."""
+    made = []
+    for spacing in AMPLITUDE_SPACINGS:
+        field = build(spacing)
+        made.append(field)
+        if field.representation.get("site_force_p95", 0.0) <= REPRESENTATION_ERROR:
+            return field
+    return min(made, key=lambda field: field.representation["site_force_p95"])
+
+
 def field_of(
     scene: Scene,
     tool: Tool,
@@ -137,13 +161,16 @@ def field_of(
         provenance = {**provenance, "failed_presses": failures}
     reference = reference_of(tool.name, shape_of(scene, tool))
     nodes = fit_nodes(usable, knots_of(scene, tool), reference.offset, geometry)
-    field = build_field(
-        nodes,
-        geometry,
-        reference,
-        samples.beyond(mesh),
-        margin=REACH_MARGIN,
-        provenance=provenance,
-        band=band_of_tool(scene, tool),
+    field = coarsest_field(
+        lambda spacing: build_field(
+            nodes,
+            geometry,
+            reference,
+            samples.beyond(mesh),
+            amplitude_spacing=spacing,
+            margin=REACH_MARGIN,
+            provenance=provenance,
+            band=band_of_tool(scene, tool),
+        )
     )
     return as_cooked(field), failures

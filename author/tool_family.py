@@ -116,6 +116,7 @@ def field_of_radius(
         field.geometry,
         reference,
         beyond,
+        amplitude_spacing=field.amplitudes.spacing,
         margin=margin,
         provenance=provenance,
         band=tool_band([(radius, float(nodes.depth_knots[-1]))]),

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.field_stage import REACH_MARGIN, band_of_tool
+from palpate.author.field_stage import REACH_MARGIN, band_of_tool, coarsest_field
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob
 from palpate.author.scene import Scene
@@ -66,15 +66,18 @@ class WaysWork(SharedPlaces):
         }
         if self.failures:
             provenance["failed_presses"] = self.failures
-        field = build_field(
-            nodes,
-            geometry,
-            upright,
-            self.samples.beyond(self._mesh),
-            margin=REACH_MARGIN,
-            provenance=provenance,
-            tilted=tilted,
-            band=band_of_tool(self._whole, self._named),
+        field = coarsest_field(
+            lambda spacing: build_field(
+                nodes,
+                geometry,
+                upright,
+                self.samples.beyond(self._mesh),
+                amplitude_spacing=spacing,
+                margin=REACH_MARGIN,
+                provenance=provenance,
+                tilted=tilted,
+                band=band_of_tool(self._whole, self._named),
+            )
         )
         return as_cooked(field)
 

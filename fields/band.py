@@ -72,7 +72,7 @@ def blocks_in_band(geometry: ContactGeometry, band: np.ndarray) -> KeptBlocks:
 
 def _side(lattice: Lattice, rows: np.ndarray, low: float, high: float) -> np.ndarray:
     """Why blocks `rows` (n,) are not there: deeper than the band, free, or in it and reached by no known cell."""
-    values = lattice.coefficients[rows].reshape(len(rows), -1)
+    values = lattice.coefficients[rows].reshape(len(rows), BLOCK_EDGE**3)
     side = np.full(len(rows), ABSENT_UNREACHED)
     side[values.max(axis=1) < low] = ABSENT_INSIDE
     side[values.min(axis=1) > high] = ABSENT_OUTSIDE

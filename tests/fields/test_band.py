@@ -55,6 +55,11 @@ def test_what_goes_is_free_above_and_too_deep_below():
         assert (found[found < 0] == label).all() and (found < 0).mean() > 0.5
 
 
+def test_a_band_that_needs_every_block_drops_none():
+    part = blocks_in_band(GEOMETRY, GEOMETRY.band + np.array([1e-9, 0.0]))
+    np.testing.assert_array_equal(part.rows, np.arange(GEOMETRY.signed_distance.block_count))
+
+
 def test_a_file_holds_its_tools_band_and_renders_the_same_there():
     field = sphere_organ()
     low, high = field.geometry.band

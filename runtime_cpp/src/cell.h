@@ -27,6 +27,7 @@ inline void forget(std::uint32_t cell[4]) noexcept {
 struct distance_cell {
     std::uint32_t cell[4];  // of tap 0; cell[0] is no_cell while nothing is kept
     double along_z[9][4];
+    bool entered;           // set when it is made, taken back by who looks ahead
 };
 
 // Of the first kept_channels amplitudes, four channels at a time, by tap along x: A, B, C along y, then z.  Along x they would take more
@@ -35,7 +36,13 @@ struct amplitude_cell {
     std::uint32_t cell[4];
     double t[4];   // of the point in the cell, by axis
     bool inside;   // the point's stencil lies in the lattice's box; else the rest is of an earlier point
+    bool entered;  // as above
     double channels[kept_channels / 4][27][4];
+};
+
+// The cells that the caches were last asked to get (ahead.h).
+struct fetched_cells {
+    std::uint32_t distance[4], amplitudes[4];
 };
 
 }  // namespace palpate

@@ -55,6 +55,8 @@ struct contraction {
     // The same from amplitudes.
     void (*response_from)(const palpate_field& field, const amplitude_sums& amplitudes, double depth, const double distance_gradient[3],
                           response& found) PALPATE_REAL_TIME;
+    // Has the caches get what lies under q in both lattices, in the box and where that is another cell than `last` time; nobody waits.
+    void (*fetch_cells)(const palpate_field& field, double x, double y, double z, fetched_cells& last) PALPATE_REAL_TIME;
 };
 
 extern const contraction contraction_baseline;

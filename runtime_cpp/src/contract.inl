@@ -22,6 +22,7 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
         kept.cell[0] = no_cell;
         return false;
     }
+    kept.entered = true;
     const std::int16_t* block[8];
     PALPATE_UNROLL_8
     for (int i = 0; i < 8; ++i) block[i] = coefficients + rows[i] * 64;
@@ -231,9 +232,53 @@ void go_to(const palpate_field& field, double px, double py, double pz, amplitud
     bool same;
     store(kept.t, u - truncated(u, kept.cell, same));
     if (same) return;
+    kept.entered = true;
     amplitude_taps taps;
     lines_inside(L, field.amplitude_coefficients, kept.cell, taps);
     for (std::int32_t first = 0; first < field.channels; first += 4) enter(taps, first, kept.channels[first / 4]);
+}
+
+// True where `cell` became another one: that of q, in the lattice's box.
+inline bool moves_to(const lattice& L, double x, double y, double z, std::uint32_t cell[4]) noexcept {
+    const quad u = cell_coordinates(L, x, y, z);
+    if (!all_within(u, load(L.last))) return false;
+    bool same;
+    truncated(u, cell, same);
+    return !same;
+}
+
+// Inline, or gcc forgets to clear the upper halves of the registers on the way out, and the tick's other code pays 140 ns for it.
+// A line of 64 bytes holds two layers along x of a block: the first and the last taps lie in every line that there is.
+PALPATE_INLINE void fetch_cell(const lattice& L, const std::int16_t* coefficients, const std::uint32_t cell[4]) noexcept {
+    const corners row(L, cell);
+    const std::int64_t *const x = steps_at(L, cell, 0).column, *const y = steps_at(L, cell, 1).column;
+    const std::int64_t column[4] = {x[0] + y[0], x[0] + y[2], x[2] + y[0], x[2] + y[2]};
+    PALPATE_UNROLL_8
+    for (int i = 0; i < 8; ++i) {
+        if (row[i] >= 0) fetch(coefficients + row[i] * 64 + column[i / 2]);
+    }
+}
+
+// The same along z, for up to 8 channels; of more channels, the first ones.
+PALPATE_INLINE void fetch_cell(const lattice& L, const float* coefficients, const std::uint32_t cell[4]) noexcept {
+    amplitude_taps taps;
+    lines_inside(L, coefficients, cell, taps);
+    PALPATE_NO_UNROLL
+    for (int a = 0; a < 3; ++a) {
+        PALPATE_UNROLL_3
+        for (int b = 0; b < 3; ++b) {
+            const float* const* line = taps.line + taps.x->across[a] + taps.y->across[b];
+            const std::int64_t column = taps.x->column[a] + taps.y->column[b];
+            fetch(line[0] + column);
+            fetch(line[2] + column);
+        }
+    }
+}
+
+void fetch_cells(const palpate_field& field, double x, double y, double z, fetched_cells& last) PALPATE_REAL_TIME {
+    const lattice &D = field.geometry, &A = field.amplitudes;
+    if (moves_to(D, x, y, z, last.distance)) fetch_cell(D, field.geometry_coefficients, last.distance);
+    if (moves_to(A, x, y, z, last.amplitudes)) fetch_cell(A, field.amplitude_coefficients, last.amplitudes);
 }
 
 // The row of curves at some depth, and the depth from the row's start, m.

@@ -36,6 +36,18 @@
 namespace palpate {
 namespace PALPATE_ISA {
 
+// Asks the caches for the line at an address, which may be any: nobody waits and nothing changes.
+inline void fetch(const void* at) noexcept {
+#if defined(__GNUC__)
+    __builtin_prefetch(at);
+#if !defined(__clang__)
+    __asm__ volatile("" : : "r"(at));  // else gcc takes a function that only fetches for one without effect and drops its calls
+#endif
+#else
+    static_cast<void>(at);
+#endif
+}
+
 constexpr double lowest = -std::numeric_limits<double>::max();
 
 #if defined(__AVX2__)

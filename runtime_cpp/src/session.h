@@ -46,6 +46,8 @@ struct palpate_session {
 
     palpate::distance_cell under_distance;      // of `field`; where the last tick was
     palpate::amplitude_cell under_amplitudes;  // of `field`
+    palpate::fetched_cells fetched;            // of `field`
+    std::uint32_t ticks_since_look;            // in contact; ahead.h
 };
 
 namespace palpate {
@@ -54,6 +56,8 @@ namespace palpate {
 inline void forget_cells(palpate_session& session) noexcept {
     forget(session.under_distance.cell);
     forget(session.under_amplitudes.cell);
+    forget(session.fetched.distance);
+    forget(session.fetched.amplitudes);
 }
 
 // State of a fresh session; keeps field and config.

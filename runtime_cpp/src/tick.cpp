@@ -10,6 +10,7 @@
 // First contact sets the spring down unstretched; lift-off has U = k = 0, so E ends at zero by itself.
 #include <cmath>
 
+#include "ahead.h"
 #include "contact.h"
 #include "locate.h"
 #include "respond.h"
@@ -197,6 +198,7 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     out.depth = at.depth - m.shift;
     out.region = at.region;
     out.status = status;
+    look_ahead(s, m, at);
     return status;
 }
 

@@ -208,6 +208,38 @@ TEST(contract, an_answer_does_not_depend_on_the_cell_that_was_kept) {
 }
 
 // Sums over curves as their definition says, on knots that are shared and on knots that are not; within an interval and beyond the last.
+TEST(contract, what_is_fetched_is_the_cell_that_a_tick_there_enters) {
+    random_box r(8);
+    r.field.channels = 8;
+    const contraction& c = contraction_here();
+    fetched_cells last;
+    forget(last.distance);
+    forget(last.amplitudes);
+    int inside = 0, outside = 0;
+    for (int i = 0; i < 2000; ++i) {
+        for (double& x : r.q) x = 10.0 * r.unit(r.engine) - 2.0;
+        if (i % 100 == 0) r.q[i / 100 % 3] = i % 200 == 0 ? std::nan("") : 1e9;
+        distance_cell distance;
+        amplitude_cell amplitudes;
+        forget(distance.cell);
+        forget(amplitudes.cell);
+        double sums[4];
+        const fetched_cells before = last;
+        c.fetch_cells(r.field, r.q[0], r.q[1], r.q[2], last);
+        if (c.distance(r.field, r.q[0], r.q[1], r.q[2], distance, sums)) {
+            c.go_to(r.field, r.q[0], r.q[1], r.q[2], amplitudes);
+            ASSERT_EQ(std::memcmp(last.distance, distance.cell, sizeof last.distance), 0);
+            ASSERT_EQ(std::memcmp(last.amplitudes, amplitudes.cell, sizeof last.amplitudes), 0);
+            ++inside;
+        } else {
+            ASSERT_EQ(std::memcmp(&last, &before, sizeof last), 0);
+            ++outside;
+        }
+    }
+    EXPECT_GT(inside, 200);
+    EXPECT_GT(outside, 200);
+}
+
 TEST(contract, curves_are_those_of_the_definition_on_any_knots) {
     std::mt19937_64 engine(11);
     std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "session.h"
 #include "test_field.h"
 
 namespace {
@@ -135,6 +136,30 @@ TEST(tick, accounts_balance_and_dissipation_never_falls_on_any_walk) {
             EXPECT_GT(last.dissipated_rule, 0.0);
         }
     }
+}
+
+TEST(tick, looking_ahead_is_done_and_changes_no_answer) {
+    const opened_field sphere("sphere");
+    const session_memory one(sphere.field), other(sphere.field);
+    std::mt19937_64 random(5);
+    int looks = 0, felt = 0;
+    for (int i = 0; i < 50000; ++i) {
+        point p{0, 0, 36e-3};
+        if (i % 5000 > 0) {
+            const double a = 2e-4 * (i % 5000), b = 1e-3 * (i % 500), r = i % 500 < 20 ? 35.5e-3 : 33e-3 + 1e-6 * static_cast<double>(random() % 100);
+            p = {r * std::sin(a) * std::cos(b), r * std::sin(a) * std::sin(b), r * std::cos(a)};
+        }
+        const palpate::fetched_cells before = one.session->fetched;
+        const palpate_tool_response r = one.tick(p);
+        looks += std::memcmp(&before, &one.session->fetched, sizeof before) != 0;
+        other.session->ticks_since_look = static_cast<std::uint32_t>(random() % 8);
+        if (random() % 2 == 0) palpate::forget(other.session->fetched.distance);
+        const palpate_tool_response same = other.tick(p);
+        ASSERT_EQ(std::memcmp(&r, &same, sizeof r), 0) << i;
+        felt += r.normal_force > 0.0;
+    }
+    EXPECT_GT(looks, 1000);
+    EXPECT_GT(felt, 30000);
 }
 
 TEST(tick, zero_force_bits_mean_zero_force) {

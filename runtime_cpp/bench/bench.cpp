@@ -163,8 +163,8 @@ extern "C" palpate_status palpate_bench(const char* path, char* json, size_t siz
     const std::string hard = summary(time_ticks(field, adversarial(field, at, 1000000), ticks_wanted::all, false, watch));
     palpate_field_close(field);
     std::snprintf(json, size,
-                  "{\"stick_ns\": %s, \"slide_ns\": %s, \"free_ns\": %s, \"first_contact_ns\": %s, \"cold_ns\": %s, \"adversarial_ns\": %s, "
-                  "\"load_ms\": %.3f, \"bytes\": %llu, \"machine\": \"%s\"}",
+                  "{\"stick_ns\": %s, \"slide_ns\": %s, \"free_ns\": %s, \"first_contact_ns\": %s, \"cold_ns\": %s, "
+                  "\"adversarial_ns\": %s, \"load_ms\": %.3f, \"bytes\": %llu, \"machine\": \"%s\"}",
                   stick.c_str(), slide.c_str(), hover.c_str(), first.c_str(), cold.c_str(), hard.c_str(), load,
                   static_cast<unsigned long long>(info.bytes), machine().c_str());
     return PALPATE_OK;

@@ -18,7 +18,8 @@ extern "C" {
 
 /* Benches the .rfield at `path` and writes one JSON object to `json` (`size` bytes, 4096 are plenty):
  * stick_ns, slide_ns, free_ns, first_contact_ns, cold_ns, adversarial_ns (each {p50, p99, p999, max, count}), load_ms, bytes, machine.
- * cold: in contact, with 6 MB touched between ticks.  adversarial: a million ticks made to be slow.  On failure `json` holds one sentence. */
+ * cold: in contact, with 6 MB touched between ticks.  adversarial: a million ticks made to be slow.  On failure `json` holds one
+ * sentence. */
 PALPATE_API palpate_status palpate_bench(const char* path, char* json, size_t size);
 
 #ifdef __cplusplus

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
 // palpate_compare FIELD.rfield LIBRARY...: ticks of several builds of libpalpate in one process, in turns, so that the machine's load and
-// speed are the same for all.  For each kind of tick: single ticks (the fastest of 15 turns each) and ns a tick of the whole trace in a row.
+// speed are the same for all.  For each kind of tick: single ticks (the fastest of 15 turns each) and ns a tick of the whole trace in a
+// row.
 // Two links to one file are one library: give copies.
 #include <dlfcn.h>
 
@@ -116,7 +117,10 @@ int main(int count, char** arguments) {
         const char* name;
         std::vector<tick> path;
         bool contact;
-    } kinds[] = {{"stick", sticking(at), true}, {"slide", sliding(field, at), true}, {"free", hovering(field, at), false}, {"first", tapping(field, at), true}};
+    } kinds[] = {{"stick", sticking(at), true},
+                 {"slide", sliding(field, at), true},
+                 {"free", hovering(field, at), false},
+                 {"first", tapping(field, at), true}};
     for (const auto& kind : kinds) {
         std::vector<bool> wanted(kind.path.size());
         for (build& b : builds) {
@@ -132,8 +136,11 @@ int main(int count, char** arguments) {
                 if (wanted[i]) kept.push_back(b.fastest[i] - clock);
             }
             std::sort(kept.begin(), kept.end());
-            const auto share = [&kept](double s) { return kept.empty() ? 0.0 : kept[static_cast<std::size_t>(s * static_cast<double>(kept.size() - 1))]; };
-            std::printf("%-6s p50 %4.0f ns, p99.9 %4.0f ns, in a row %5.1f ns a tick: %s\n", kind.name, share(0.5), share(0.999), b.in_a_row, b.name.c_str());
+            const auto share = [&kept](double s) {
+                return kept.empty() ? 0.0 : kept[static_cast<std::size_t>(s * static_cast<double>(kept.size() - 1))];
+            };
+            std::printf("%-6s p50 %4.0f ns, p99.9 %4.0f ns, in a row %5.1f ns a tick: %s\n", kind.name, share(0.5), share(0.999), b.in_a_row,
+                        b.name.c_str());
         }
     }
     palpate_field_close(field);

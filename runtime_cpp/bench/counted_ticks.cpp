@@ -12,7 +12,8 @@ using namespace palpate_bench_paths;
 
 extern "C" {
 // Found by its name in this program, so it must be a function of its own.
-__attribute__((noinline)) std::uint32_t counted_tick(palpate_session* session, const palpate_tool_state* state, palpate_tool_response* response) {
+__attribute__((noinline)) std::uint32_t counted_tick(palpate_session* session, const palpate_tool_state* state,
+                                                     palpate_tool_response* response) {
     return palpate_tick(session, state, response);
 }
 }
@@ -26,7 +27,10 @@ int main(int count, char** arguments) {
         return 2;
     }
     const auto at = contacts(field, 100, 1);
-    const auto path = kind == "stick" ? sticking(at) : kind == "slide" ? sliding(field, at) : kind == "free" ? hovering(field, at) : tapping(field, at);
+    const auto path = kind == "stick"   ? sticking(at)
+                      : kind == "slide" ? sliding(field, at)
+                      : kind == "free"  ? hovering(field, at)
+                                        : tapping(field, at);
     std::vector<std::uint64_t> memory((palpate_session_size() + 7) / 8);
     palpate_session* session = nullptr;
     palpate_config config;

@@ -95,7 +95,8 @@ int main(int count, char** arguments) {
         palpate_field_describe(field, &info);
         const auto at = contacts(field, 200, 1);
         char name[64];
-        std::snprintf(name, sizeof name, "%.2f MB, %u way%s", 1e-6 * static_cast<double>(info.bytes), info.way_count, info.way_count > 1 ? "s" : "");
+        std::snprintf(name, sizeof name, "%.2f MB, %u way%s", 1e-6 * static_cast<double>(info.bytes), info.way_count,
+                      info.way_count > 1 ? "s" : "");
         const auto add = [&, label = std::string(name)](const char* what, const std::vector<tick>& path, const how& h) {
             if (!path.empty()) benchmark::RegisterBenchmark((label + "/" + what).c_str(), run, field, path, h);
         };

@@ -47,8 +47,8 @@ struct outcome {
     bool slipped;
 };
 
-PALPATE_INLINE void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3], double length_squared,
-                           outcome& o) noexcept {
+PALPATE_INLINE void settle(const palpate_config& config, const tissue& under, const response& r, const double step[3],
+                           double length_squared, outcome& o) noexcept {
     o.normal_force = -dot(r.gradient, under.normal);
     o.friction_coefficient = config.friction_coefficient >= 0.0 ? config.friction_coefficient : r.friction_coefficient;
     const double limit = o.normal_force > 0.0 ? o.friction_coefficient * o.normal_force : 0.0;
@@ -59,8 +59,8 @@ PALPATE_INLINE void settle(const palpate_config& config, const tissue& under, co
 
 // Yields until |f| <= force_max: between the offset that is there (too strong) and the depth (no force at all).  Illinois
 // rule on |f| - force_max; the end that is kept is always on the weak side.
-PALPATE_APART void limit_force(const palpate_config& config, const tissue& under, const double step[3], const friction_spring& before, double length_squared,
-                               double& offset, response& r, outcome& o) noexcept {
+PALPATE_APART void limit_force(const palpate_config& config, const tissue& under, const double step[3], const friction_spring& before,
+                               double length_squared, double& offset, response& r, outcome& o) noexcept {
     const auto excess = [&config](const double f[3]) { return std::sqrt(dot(f, f)) - config.force_max; };
     double strong = offset, weak = under.depth;
     double strong_excess = excess(o.force), weak_excess = -config.force_max;

@@ -39,7 +39,8 @@ constexpr double value_sums_per_count = 8.0 * 65536.0, slope_sums_per_count = 4.
 
 struct contraction {
     // Depth (m) and grad phi at q = (x, y, z) (m); false unless all 27 counts under q are stored.
-    bool (*distance)(const palpate_field& field, double x, double y, double z, distance_cell& kept, double depth_and_gradient[4]) PALPATE_REAL_TIME;
+    bool (*distance)(const palpate_field& field, double x, double y, double z, distance_cell& kept,
+                     double depth_and_gradient[4]) PALPATE_REAL_TIME;
     // Makes `kept` the cell of q.
     void (*go_to)(const palpate_field& field, double x, double y, double z, amplitude_cell& kept) PALPATE_REAL_TIME;
     // The response at q, depth (m, >= 0) and grad phi, in way 0, and the amplitudes there, for a `kept` that was made q's.
@@ -49,7 +50,8 @@ struct contraction {
     // box.
     bool (*gather_amplitudes)(const lattice& L, const float* coefficients, double x, double y, double z,
                               amplitude_taps& taps) PALPATE_REAL_TIME;
-    // The first `channels` amplitudes (up to rfield_channel_limit), and derivatives of the first `gradient_channels`, both multiples of 4; from channel `way` on.
+    // The first `channels` amplitudes (up to rfield_channel_limit), and derivatives of the first `gradient_channels`, both multiples of 4;
+    // from channel `way` on.
     void (*amplitudes)(const amplitude_taps& taps, std::int64_t way, std::int32_t gradient_channels, std::int32_t channels,
                        amplitude_sums& sums) PALPATE_REAL_TIME;
     // The same from amplitudes.

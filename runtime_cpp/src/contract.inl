@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
-// Sums are separable (cell.h); those over curves have a curve to each lane.  Distance: lanes run along z (a column of a block is four int16).
-// Amplitudes: lanes are channels; sums run along z, then y, then x, and value and derivatives share them.
+// Sums are separable (cell.h); those over curves have a curve to each lane.  Distance: lanes run along z (a column of a block is four
+// int16).  Amplitudes: lanes are channels; sums run along z, then y, then x, and value and derivatives share them.
 #include "contract.h"
 #include "field.h"
 #include "lanes.h"
@@ -53,7 +53,8 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
     return true;
 }
 
-bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept, double depth_and_gradient[4]) PALPATE_REAL_TIME {
+bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept,
+              double depth_and_gradient[4]) PALPATE_REAL_TIME {
     const lattice& L = field.geometry;
     const quad u = cell_coordinates(L, px, py, pz);
     if (!all_within(u, load(L.last))) return false;
@@ -88,7 +89,8 @@ inline std::int64_t row_of(const lattice& L, std::uint32_t bx, std::uint32_t by,
 }
 
 // Where the coefficients under the cell are, whose blocks begin at `first`.
-inline void lines_at(const lattice& L, const float* coefficients, const std::uint32_t cell[4], const std::int64_t first[8], amplitude_taps& taps) noexcept {
+inline void lines_at(const lattice& L, const float* coefficients, const std::uint32_t cell[4], const std::int64_t first[8],
+                     amplitude_taps& taps) noexcept {
     taps.x = &steps_at(L, cell, 0);
     taps.y = &steps_at(L, cell, 1);
     const tap_steps& along_z = steps_at(L, cell, 2);
@@ -124,8 +126,8 @@ bool gather_amplitudes(const lattice& L, const float* coefficients, double x, do
     store(taps.t, shifted - truncated(shifted, cell));
     std::int64_t first[8];
     for (unsigned i = 0; i < 8; ++i) {
-        first[i] = L.block_size * row_of(L, (cell[0] >> 2) - 1 + (i >> 2 & crosses(cell, 0)), (cell[1] >> 2) - 1 + (i >> 1 & crosses(cell, 1)),
-                                       (cell[2] >> 2) - 1 + (i & crosses(cell, 2)));
+        first[i] = L.block_size * row_of(L, (cell[0] >> 2) - 1 + (i >> 2 & crosses(cell, 0)),
+                                         (cell[1] >> 2) - 1 + (i >> 1 & crosses(cell, 1)), (cell[2] >> 2) - 1 + (i & crosses(cell, 2)));
     }
     lines_at(L, coefficients, cell, first, taps);
     return true;
@@ -205,7 +207,8 @@ PALPATE_INLINE void gradients_at(const double kept[27][4], const place& t, doubl
     store(dz, all(0.25) * twice_value(fz.A, fz.B, fz.C, t.x));
 }
 
-PALPATE_INLINE void four_amplitudes(const double kept[27][4], const place& t, bool with_gradient, std::int32_t first, amplitude_sums& sums) noexcept {
+PALPATE_INLINE void four_amplitudes(const double kept[27][4], const place& t, bool with_gradient, std::int32_t first,
+                                    amplitude_sums& sums) noexcept {
     if (with_gradient) {
         gradients_at(kept, t, sums.value + first, sums.dx + first, sums.dy + first, sums.dz + first);
     } else {
@@ -304,7 +307,8 @@ struct curve_sums {
 };
 
 // Four channels.  Curves are summed in two halves, (c0 + c1 x) + x^2 (c2 + c3 x): shorter to wait for than Horner's rule.
-PALPATE_INLINE curve_sums four_curves(const depth_curves& curves, const double* c, double depth, const amplitude_sums& a, std::int64_t first, bool with_gradient) noexcept {
+PALPATE_INLINE curve_sums four_curves(const depth_curves& curves, const double* c, double depth, const amplitude_sums& a,
+                                      std::int64_t first, bool with_gradient) noexcept {
     const std::int64_t padded = curves.padded;
     const quad x = all(depth), x2 = all(depth * depth);
     const quad c0 = load(c), c1 = load(c + padded), c2 = load(c + 2 * padded), c3 = load(c + 3 * padded);
@@ -326,7 +330,8 @@ PALPATE_INLINE curve_sums four_curves(const depth_curves& curves, const double* 
     return sums;
 }
 
-PALPATE_INLINE void combine(const palpate_field& field, const amplitude_sums& a, double depth, const double distance_gradient[3], response& found) noexcept {
+PALPATE_INLINE void combine(const palpate_field& field, const amplitude_sums& a, double depth, const double distance_gradient[3],
+                            response& found) noexcept {
     const depth_curves& curves = field.curves;
     const curve_row row(curves.sets[0], curves.padded, depth);
     curve_sums s = four_curves(curves, row.c, row.x, a, 0, true);
@@ -377,7 +382,8 @@ void respond(const palpate_field& field, double px, double py, double pz, double
     combine(field, sums, depth, distance_gradient, found);
 }
 
-void response_from(const palpate_field& field, const amplitude_sums& sums, double depth, const double distance_gradient[3], response& found) PALPATE_REAL_TIME {
+void response_from(const palpate_field& field, const amplitude_sums& sums, double depth, const double distance_gradient[3],
+                   response& found) PALPATE_REAL_TIME {
     combine(field, sums, depth, distance_gradient, found);
 }
 

@@ -51,7 +51,8 @@ palpate_status palpate_field_sample(const palpate_field* field, const double* q,
 palpate_status palpate_field_sample_tilted(const palpate_field* field, const double* q, double cosine, size_t count,
                                            palpate_sample* samples) noexcept {
     if (count == 0) return PALPATE_OK;
-    if (field == nullptr || q == nullptr || samples == nullptr || !(cosine >= -1e3 && cosine <= 1e3) || samples->size < sizeof(palpate_sample)) {
+    if (field == nullptr || q == nullptr || samples == nullptr || !(cosine >= -1e3 && cosine <= 1e3) ||
+        samples->size < sizeof(palpate_sample)) {
         return PALPATE_BAD_ARGUMENT;
     }
     const std::uint32_t stride = samples->size;

@@ -30,8 +30,8 @@ inline void go_to(const palpate_field& field, double x, double y, double z, ampl
 
 // The response at q with depth >= 0 (m) and grad phi as `locate` found them, in the first way of touching; `amplitudes` are
 // those at q, `kept` is the cell of q.
-inline void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3], const amplitude_cell& kept,
-                    response& found, amplitude_sums& amplitudes) noexcept {
+inline void respond(const palpate_field& field, const double q[3], double depth, const double distance_gradient[3],
+                    const amplitude_cell& kept, response& found, amplitude_sums& amplitudes) noexcept {
     field.contract->respond(field, q[0], q[1], q[2], depth, distance_gradient, kept, found, amplitudes);
 }
 

@@ -51,7 +51,8 @@ double touch_as_before(palpate_session& s, const motion& m, const location& at, 
     return offset;
 }
 
-void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) PALPATE_REAL_TIME {
+void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r,
+                  std::uint32_t& status) PALPATE_REAL_TIME {
     if (s.config.response == PALPATE_RESPONSE_POTENTIAL && m.cosine == clamped_cosine(*s.field, s.cosine)) {
         if (offset > 0.0) status |= PALPATE_TICK_RULE_YIELDED;  // nothing changed: the offset is the smallest one already
         return;

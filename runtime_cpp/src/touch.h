@@ -20,7 +20,8 @@ void touch(palpate_session& s, const motion& m, tissue& under) PALPATE_REAL_TIME
 double touch_as_before(palpate_session& s, const motion& m, const location& at, tissue& under, response& found) PALPATE_REAL_TIME;
 
 // From there to this tick's way of touching, at one place: by the energy rule, or (unguarded) as it comes.
-void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r, std::uint32_t& status) PALPATE_REAL_TIME;
+void change_touch(palpate_session& s, const motion& m, const tissue& under, double& offset, response& r,
+                  std::uint32_t& status) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

@@ -1,0 +1,64 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""How fine a field is made: as coarse as its errors allow."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from palpate.assets import scene_path
+from palpate.author import field_stage
+from palpate.author.field_stage import (
+    AMPLITUDE_SPACINGS,
+    GEOMETRY_ERROR,
+    GEOMETRY_SPACINGS,
+    REPRESENTATION_ERROR,
+    band_of,
+    band_of_tool,
+    coarsest_field,
+    contact_geometry_of,
+)
+from palpate.author.scene import load_scene
+
+
+def losing(error: dict[float, float]):
+    """A stand-in for building a field, which loses `error` (fraction of force) by spacing (m)."""
+    return lambda spacing: SimpleNamespace(spacing=spacing, representation={"site_force_p95": error[spacing]})
+
+
+def test_the_coarsest_lattice_that_is_near_enough_is_taken():
+    coarse, middle, fine = AMPLITUDE_SPACINGS
+    near, far = REPRESENTATION_ERROR, 1.01 * REPRESENTATION_ERROR
+    assert coarsest_field(losing({coarse: near, middle: 0.0, fine: 0.0})).spacing == coarse
+    assert coarsest_field(losing({coarse: far, middle: near, fine: 0.0})).spacing == middle
+
+
+def test_the_one_that_loses_least_is_taken_where_none_is_near_enough():
+    coarse, middle, fine = AMPLITUDE_SPACINGS
+    assert coarsest_field(losing({coarse: 0.5, middle: 0.2, fine: 0.3})).spacing == middle
+
+
+@pytest.mark.parametrize(("error", "taken"), [((0.9, 0.1), 0), ((1.1, 0.9), 1), ((1.2, 1.1), 1)])
+def test_geometry_is_as_coarse_as_the_shallowest_tool_allows(monkeypatch, error, taken):
+    scene = load_scene(scene_path("palpation_block"))
+    allowed = GEOMETRY_ERROR * min(scene.depth_max(tool) for tool in scene.tool)
+    asked = []
+
+    def made(*_, spacing, **__):
+        asked.append(spacing)
+        return SimpleNamespace(error_p99=error[len(asked) - 1] * allowed)
+
+    monkeypatch.setattr(field_stage, "contact_geometry", made)
+    monkeypatch.setattr(field_stage, "rounded_geometry", lambda geometry: geometry)
+    samples = SimpleNamespace(points=np.zeros((1, 3)), beyond=lambda mesh: None)
+    contact_geometry_of(scene, SimpleNamespace(distance=None), samples)
+    assert tuple(asked) == GEOMETRY_SPACINGS[: taken + 1]
+
+
+def test_the_scenes_band_holds_every_tools():
+    scene = load_scene(scene_path("palpation_block"))
+    low, high = band_of(scene)
+    for tool in scene.tool:
+        own = band_of_tool(scene, tool)
+        assert low <= own[0] < own[1] <= high

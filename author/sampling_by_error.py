@@ -92,6 +92,8 @@ class SamplingByError:
         geometry, offset: of the field; rho, m.
         tolerance: fraction of force at the 95th percentile; the worst may be twice that.
         most: nodes (count).
+        apart: m; no node comes nearer to another.  Presses that share most of their contact differ by the noise of
+            their meshes, and where a surface is faceted that noise would draw one node after another.
     """
 
     terrain: Terrain
@@ -99,6 +101,7 @@ class SamplingByError:
     offset: float
     tolerance: float
     most: int
+    apart: float = 0.0
     rounds: list[Round] = field(default_factory=list)
     ended: str = ""
     near_enough: bool = False
@@ -196,7 +199,9 @@ class SamplingByError:
         return np.concatenate([even, order[nearest[order] < len(even)]])
 
     def _next(self, here: ErrorIndicator, at: np.ndarray, index: np.ndarray, busy: Sequence[int], count: int):
-        free = ~np.isin(at, np.concatenate([index, np.asarray(busy, int)]))
+        taken = np.concatenate([index, np.asarray(busy, int)])
+        position = self.terrain.position[at]
+        free = ~np.isin(at, taken) & (KDTree(self.terrain.position[taken]).query(position)[0] >= self.apart)
         place = {int(i): k for k, i in enumerate(at)}
         for i in busy:
             if i in place:
@@ -206,6 +211,7 @@ class SamplingByError:
             k = int(np.argmax(np.where(free, here.deviation, -1.0)))
             here.plan(k)
             free[k] = False
+            free &= np.linalg.norm(position - position[k], axis=1) >= self.apart
             chosen.append(int(at[k]))
         return np.array(chosen, int)
 

@@ -36,6 +36,8 @@ __all__ = ["TRUTH", "ToolWork", "cooked", "ladder", "versions"]
 
 LADDER_STEPS = 10
 """Depths of a normal ladder, evenly spaced: a step of 0.1 R at depth R."""
+APART = 0.5
+"""Least distance between nodes, in contact radii."""
 NEAR_CHECKS = 2
 """Held-out points pressed at near_field fidelity as well, so that the far field's own error is known."""
 TRUTH = "full"
@@ -98,7 +100,8 @@ class ToolWork:
 
         def sampling() -> SamplingByError:
             terrain = places.terrain(geometry(), offset - 0.5 * self.depth_max)
-            return SamplingByError(terrain, geometry(), offset, scene.accuracy.force_tolerance, self.most)
+            tolerance = scene.accuracy.force_tolerance
+            return SamplingByError(terrain, geometry(), offset, tolerance, self.most, APART * contact)
 
         self.rounds = NodeRounds(
             seeds[: self.most],

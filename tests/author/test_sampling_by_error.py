@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from known_terrain import RADIUS, KnownTerrain
+from scipy.spatial.distance import cdist, pdist
 
 from palpate.author.sampling_by_error import SamplingByError
 from palpate.fields import kriging
@@ -66,6 +67,21 @@ def test_a_smooth_reach_ends_with_few_nodes(without):
     _, sampling, index, error = without
     assert sampling.ended == "tolerance met by estimate" and len(index) < 80
     assert error["all"][0] < TOLERANCE
+
+
+def test_no_node_comes_nearer_to_another_than_told(with_nodule):
+    known, _, index, _ = with_nodule
+    position = known.terrain.position
+    apart = 8e-3
+    assert pdist(position[index]).min() < apart  # left to itself it goes nearer
+    sampling = SamplingByError(known.terrain, known.geometry, RADIUS, TOLERANCE, 120, apart)
+    index, busy = known.terrain.even[:SEEDS].tolist(), [int(known.terrain.even[SEEDS])]
+    for _ in range(4):
+        chosen = sampling.choose(known.nodes(index), index, busy, WIDTH).tolist()
+        assert len(chosen) == WIDTH
+        others = position[[*index, *busy]]
+        assert cdist(position[chosen], others).min() >= apart and pdist(position[chosen]).min() >= apart
+        index, busy = [*index, *busy], chosen
 
 
 def test_every_round_says_what_it_knew(with_nodule):

@@ -39,8 +39,8 @@ SMALL_MOVE = 1e-4
 """m; the linear sticking stiffness is handed on as two moves this long."""
 GEOMETRY_SPACINGS = (2e-3, 1.5e-3)
 """m; the first that keeps the signed distance within GEOMETRY_ERROR is taken, or the last."""
-GEOMETRY_ERROR = 0.004
-"""Of the least depth_max, at p99: 3 % of a force that goes with d^1.5 at 20 % of the depth; a hundredth has that."""
+GEOMETRY_ERROR = 0.005
+"""Of the least depth_max, at p99: 4 % of a force that goes with d^1.5 at 20 % of the depth; a hundredth has that."""
 AMPLITUDE_SPACINGS = (5e-3, 4e-3, 3e-3)
 """m; the first whose lattice loses at most REPRESENTATION_ERROR is taken, or the one that loses least."""
 REPRESENTATION_ERROR = 0.007

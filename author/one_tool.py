@@ -20,7 +20,7 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.fields.organ_geometry import OrganGeometry, organ_hash
 from palpate.fields.response_field import ContactGeometry
-from palpate.fields.usd_read import interface_path, read_contact, stored_hashes
+from palpate.fields.usd_read import interface_path, read_contact, read_field, stored_hashes, tools
 
 __all__ = ["asset_geometry", "chosen_tools", "with_other_tools"]
 
@@ -53,6 +53,9 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
     if interface.stem != organ.name or stored_hashes(interface)[0] != organ_hash(organ):
         what = "holds an asset whose organ, material, mesh, supports, regions or reach are not this scene's"
         raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
+    for other in tools(interface):  # what cannot be read must not be found out after hours of presses
+        if other != tool.name:
+            read_field(interface, other)
     geometry = read_contact(interface)
     low, high = band_of_tool(scene, tool)
     if low < geometry.band[0] - SLACK or high > geometry.band[1] + SLACK:

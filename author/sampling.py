@@ -37,7 +37,9 @@ CREASE_TOLERANCE = 0.05
 """Allowed |phi - rho| / rho at the tool's reference point before contact, and |phi + d| / depth where it is in the
 tissue, d deep."""
 RIDGE = np.radians(45.0)
-"""Turn of the normal within a contact beyond which the surface is a ridge (DECISIONS.md: what it cost on a liver)."""
+"""Turn of the normal within a contact beyond which the surface is a ridge (fields/DECISIONS.md: on a liver)."""
+FAR_SIDE = -0.7
+"""Cosine between normals below which a place is on the other side of the tissue."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +105,8 @@ def reach_samples(
         deepest = offset - depth_max
         there = mesh.distance(points + deepest * normals)
         crease |= np.abs(there - deepest) > CREASE_TOLERANCE * depth_max
-    ridge = _ridges(points, normals, contact) & ~crease
     thin = _thickness_below(mesh, points, normals, depth_max / THICKNESS_SHARE)
+    ridge = _ridges(mesh, points, normals, contact) & ~crease & ~thin
     held = _beside_support(mesh, points, normals, contact)
     reasons["crease that the tool sees from two sides"] = int(crease.sum())
     reasons[f"ridge that turns over within {1e3 * contact:.1f} mm"] = int(ridge.sum())
@@ -146,18 +148,24 @@ def _thickness_below(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, l
     return (mesh.distance(inward.reshape(-1, 3)).reshape(len(points), -1) > 0.0).any(axis=1)
 
 
-def _ridges(points: np.ndarray, normals: np.ndarray, contact: float) -> np.ndarray:
-    """Whether the surface bends away by more than RIDGE within `contact` (m) of a point."""
-    tree, least = cKDTree(points), np.cos(RIDGE)
+def _ridges(mesh: OrganMesh, points: np.ndarray, normals: np.ndarray, contact: float) -> np.ndarray:
+    """Whether the surface bends away by more than RIDGE within `contact` (m) of a point, also beyond the reach.
+
+    What faces the other way is the far side of thin tissue, which has a limit of its own.
+    """
+    corners = mesh.vertices[np.unique(mesh.triangles)]
+    around = np.concatenate([points, corners])
+    facing = np.concatenate([normals, mesh.distance.project(corners)[1]])
+    tree = cKDTree(around)
     found = np.zeros(len(points), bool)
     for start in range(0, len(points), 4096):  # some 100 neighbours of each
         part = np.arange(start, min(start + 4096, len(points)))
         near = tree.query_ball_point(points[part], contact)
         one = np.repeat(part, [len(row) for row in near])
         other = np.concatenate(near).astype(int)
-        below = np.sum((points[other] - points[one]) * normals[one], axis=1) < 0.0
-        turned = np.sum(normals[other] * normals[one], axis=1) < least
-        found[one[below & turned]] = True
+        below = np.sum((around[other] - points[one]) * normals[one], axis=1) < 0.0
+        cosine = np.sum(facing[other] * normals[one], axis=1)
+        found[one[below & (cosine < np.cos(RIDGE)) & (cosine > FAR_SIDE)]] = True
     return found
 
 

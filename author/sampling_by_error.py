@@ -92,8 +92,9 @@ class SamplingByError:
         geometry, offset: of the field; rho, m.
         tolerance: fraction of force at the 95th percentile; the worst may be twice that.
         most: nodes (count).
-        apart: m; no node comes nearer to another.  Presses that share most of their contact differ by the noise of
-            their meshes, and where a surface is faceted that noise would draw one node after another.
+        apart: m; no chosen node comes nearer to another or to a place that cannot be pressed.  Presses that share most
+            of their contact differ by the noise of their meshes, and where a surface is faceted that noise would draw
+            one node after another.
     """
 
     terrain: Terrain

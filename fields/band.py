@@ -9,7 +9,7 @@ free space, of a reference point that is a ball's centre or a punch's tip.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from palpate.fields.lattice_fit import blocks_of
 from palpate.fields.lattice_stencil import sample_lattice
 from palpate.fields.response_field import ContactGeometry
 
-__all__ = ["KeptBlocks", "blocks_in_band", "tool_band"]
+__all__ = ["KeptBlocks", "blocks_in_band", "kept_part", "tool_band"]
 
 OUTSIDE = 3e-3
 """m of free space above the surface in which depth is known before contact."""
@@ -68,6 +68,12 @@ def blocks_in_band(geometry: ContactGeometry, band: np.ndarray) -> KeptBlocks:
     gone = ~kept & (lattice.block_index >= 0)
     index[gone] = _side(lattice, lattice.block_index[gone], low, high)
     return KeptBlocks(index, rows)
+
+
+def kept_part(geometry: ContactGeometry, band: np.ndarray) -> Lattice:
+    """The signed distance as a file of `band` (2,) m holds it."""
+    lattice, kept = geometry.signed_distance, blocks_in_band(geometry, band)
+    return replace(lattice, block_index=kept.index, coefficients=lattice.coefficients[kept.rows])
 
 
 def _side(lattice: Lattice, rows: np.ndarray, low: float, high: float) -> np.ndarray:

@@ -19,6 +19,7 @@ import numpy as np
 from scipy import ndimage
 from scipy.spatial import KDTree
 
+from palpate.fields.band import kept_part
 from palpate.fields.contact_geometry import ScalarField, known_cells
 from palpate.fields.interpolation import evaluate
 from palpate.fields.lattice import ABSENT_UNREACHED, BLOCK_EDGE, Lattice
@@ -104,7 +105,7 @@ def build_field(
         sites = SiteCurves.from_nodes(
             own, geometry, held.offset, normal_length, with_gradients=with_gradients
         )
-        samples = _samples(own, geometry, held.offset, reach, amplitude_spacing, margin, band[0])
+        samples = _samples(own, geometry, held.offset, reach, amplitude_spacing, margin, band)
         ways.append((held, own, sites, samples, sites.at(samples.surface, samples.normal, depth)))
     second = [
         second_derivatives(depth, curves.energy, curves.force, depth_end, INTERVALS, convex=sites.convex)
@@ -183,10 +184,10 @@ def _samples(
     reach: ScalarField,
     spacing: float,
     margin: float,
-    lowest: float,
+    band: np.ndarray,
 ) -> _Samples:
     """Samples through the band, and at every knot of the nodes' own presses."""
-    q, surface, normal, cells, beyond = band_samples(geometry, offset, reach, spacing, margin, lowest)
+    q, surface, normal, cells, beyond = band_samples(geometry, offset, reach, spacing, margin, band)
     inside = np.flatnonzero(reach(surface) <= 0)
     held = nodes.position[:, None] + (offset - nodes.depth_knots[None, 1:, None]) * nodes.normal[:, None]
     repeat = nodes.depth_knots.size - 1
@@ -203,27 +204,32 @@ def _samples(
 
 
 def band_samples(
-    geometry: ContactGeometry, offset: float, reach: ScalarField, spacing: float, margin: float, lowest: float
+    geometry: ContactGeometry,
+    offset: float,
+    reach: ScalarField,
+    spacing: float,
+    margin: float,
+    band: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Tool positions where the amplitudes are to be known, at phi of `lowest` m and above.
+    """Tool positions where the amplitudes are to be known.
 
     Returns:
         Of the samples, at most one in each (spacing / 2)^3 of the band: position (n, 3) m, surface point (n, 3) m,
-        normal (n, 3).  Then all positions (m, 3) m that the geometry knows, in contact or nearly, and not beyond the
-        margin, and how far beyond the reach (m,) m each one's surface point lies.
+        normal (n, 3).  Then all positions (m, 3) m that a file of `band` (2,) m knows, in contact or nearly, and not
+        beyond the margin, and how far beyond the reach (m,) m each one's surface point lies.  Amplitudes that ended
+        before what is known would pull a tool in that is deeper than any press.
     """
-    lattice = geometry.signed_distance
+    lattice = kept_part(geometry, band)
     points = lattice.origin + (known_cells(lattice) + 0.5) * lattice.spacing
     phi = sample_lattice(lattice, points).value[:, 0]
-    touching = (phi < offset + lattice.spacing) & (phi > lowest - lattice.spacing)
-    points, phi = points[touching], phi[touching]
+    points, phi = points[phi < offset + lattice.spacing], phi[phi < offset + lattice.spacing]
     surface, normal = foot_points(geometry, points)
     beyond = reach(surface)
     if not (beyond <= 0).any():
         raise ValueError("response field: no tool position in contact lies within the reach")
     near = beyond < margin
     points, phi, surface, normal, beyond = (a[near] for a in (points, phi, surface, normal, beyond))
-    sampled = phi > lowest - 0.5 * spacing
+    sampled = phi > band[0] - 0.5 * spacing
     voxel = np.floor(points[sampled] / (0.5 * spacing)).astype(np.int64)
     _, first = np.unique(voxel, axis=0, return_index=True)
     chosen = np.flatnonzero(sampled)[np.sort(first)]

@@ -51,7 +51,7 @@ def contact_geometry(
         spacing: m.
         reach_margin: m beyond the reach that is still covered; at least the margin in which the
             response's amplitudes end (build_field).
-        check_count: fresh points of the band and its margin; those within the reach measure the error.
+        check_count: fresh points of the band within the reach, which measure the error.
         seed: of the check points.
 
     Raises:
@@ -107,7 +107,8 @@ def contact_geometry(
     dense[tuple(fit.index.T)] = coefficients
     absent = absent_labels(phi_block, cell[in_band & ~wanted], low, high)
     lattice = lattice_from_values(origin, spacing, dense[2:-2, 2:-2, 2:-2], present, absent)
-    drawn = cell[wanted][rng.integers(0, wanted.sum(), check_count)]
+    reached = cell[wanted & (beyond <= 0.0)] if (wanted & (beyond <= 0.0)).any() else cell[wanted]
+    drawn = reached[rng.integers(0, len(reached), check_count)]
     check = origin + (drawn + rng.uniform(0, 1, (check_count, 3))) * spacing
     truth = signed_distance(check)
     keep = (truth >= low) & (truth <= high) & (reach(check) <= 0.0)

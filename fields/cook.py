@@ -92,6 +92,8 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
     geometry, amplitudes = field.geometry.signed_distance, field.amplitudes
     counts, scale, bias = geometry_counts(geometry)
     kept = blocks_in_band(field.geometry, field.own_band)
+    if not len(kept.rows):
+        raise CookError("band", list(map(float, field.own_band)), "m", "the geometry must know some of it")
     amplitude_index, rows = _amplitude_rows([way.amplitudes for way in ways])
     provenance = json.dumps(_plain(field.provenance), sort_keys=True, separators=(",", ":"), allow_nan=False)
     arrays = [
@@ -245,11 +247,14 @@ def _check(field: ResponseField) -> None:
         **{f"{k}_curves": c.coefficients for k, c in curves.items()},
         "tool.offset": field.tool.offset,
         "depth_max": field.depth_max,
-        "geometry.band": field.geometry.band,
+        "band": field.own_band,
     }.items():
         bad = int(np.count_nonzero(~np.isfinite(values)))
         if bad:
             raise CookError(key, f"{bad} numbers not finite", "", "every number must be finite")
+    low, high = field.own_band
+    if not low < high:
+        raise CookError("band", [float(low), float(high)], "m", "smallest before largest")
     if field.depth_max <= 0:
         raise CookError("depth_max", field.depth_max, "m", "must be positive")
     channels = sum(c.curve_count for c in curves.values())

@@ -80,8 +80,8 @@ class ContactGeometry:
     Attributes:
         signed_distance: one-channel lattice, m, positive outside the tissue.
         band: (2,) m; smallest and largest phi for which the lattice is meant to be read.
-        error_p99: m; 99th percentile of |lattice - mesh distance| at check points in the band.
-        flagged_share: share of check points where |grad phi| < 0.9.
+        error_p99: m; 99th percentile of |lattice - mesh distance| at check points in the band, within the reach.
+        flagged_share: share of them where |grad phi| < 0.9.
     """
 
     signed_distance: Lattice

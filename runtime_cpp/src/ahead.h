@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
 // What the tool is about to need is fetched into the caches, so that the tick that enters a cell need not wait for memory: the slowest
-// ticks were those.  No answer depends on it.  In contact the tool is taken to go on as it went in this tick.  Up to an amplitude cell in
-// four ticks (1 m/s at 1 kHz and 4 mm) it is looked for in every cell it comes to; a wrong guess costs its lines and no more.
+// ticks were those.  No answer depends on it.  In contact the tool is taken to go on as it went in this tick.  It looks every few
+// ticks, not in those that enter a cell, so a fast tool enters some cells unasked; a wrong guess costs its lines and no more.
 #ifndef PALPATE_SRC_AHEAD_H
 #define PALPATE_SRC_AHEAD_H
 

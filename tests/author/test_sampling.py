@@ -88,8 +88,7 @@ def test_tissue_too_thin_for_the_depth_is_left_out_and_counted(scene, mesh):
 
 
 def test_a_ridge_that_turns_over_within_the_contact_is_left_out_and_counted_and_flat_beside_it_is_not(mesh):
-    box = trimesh.creation.box((60e-3, 50e-3, 40e-3)).subdivide_to_size(2e-3)
-    box = replace(mesh, vertices=np.array(box.vertices), triangles=np.array(box.faces), supports=())
+    box = boxed(mesh, 60e-3, 50e-3, 40e-3)
     around, contact = reach_samples(box, Reach(), BALL, 2e-3), contact_extent(BALL, 2e-3)
     top = around.points[:, 2] > 20e-3 - 1e-6
     inset = (np.array([30e-3, 25e-3]) - np.abs(around.points[:, :2])).min(axis=1)
@@ -98,6 +97,28 @@ def test_a_ridge_that_turns_over_within_the_contact_is_left_out_and_counted_and_
     assert flat.sum() > 50 and around.allowed[flat].all()
     (count,) = [count for reason, count in around.left_out.items() if "ridge" in reason]
     assert count >= sharp.sum()
+
+
+def boxed(mesh: OrganMesh, *extents: float) -> OrganMesh:
+    box = trimesh.creation.box(extents).subdivide_to_size(2e-3)
+    return replace(mesh, vertices=np.array(box.vertices), triangles=np.array(box.faces), supports=())
+
+
+def test_a_ridge_just_beyond_the_reach_is_seen(mesh):
+    top = Reach(half_space={"point": [0, 0, 19.9e-3], "normal": [0, 0, -1]})
+    around = reach_samples(boxed(mesh, 60e-3, 50e-3, 40e-3), top, BALL, 2e-3)
+    inset = (np.array([30e-3, 25e-3]) - np.abs(around.points[:, :2])).min(axis=1)
+    rim = inset < 1e-3
+    assert rim.sum() > 100 and not around.allowed[rim].any()
+
+
+def test_the_far_face_of_a_plate_is_no_ridge(mesh):
+    plate, punch = boxed(mesh, 60e-3, 50e-3, 4e-3), ToolShape("sphere", (("radius", 20e-3),))
+    around = reach_samples(plate, Reach(), punch, 1e-3)
+    assert contact_extent(punch, 1e-3) > 4e-3
+    inset = (np.array([30e-3, 25e-3]) - np.abs(around.points[:, :2])).min(axis=1)
+    middle = inset > contact_extent(punch, 1e-3) + 4e-3
+    assert middle.sum() > 100 and around.allowed[middle].all()
 
 
 def test_a_contact_that_would_reach_a_support_is_left_out_and_counted(mesh):

@@ -6,17 +6,20 @@ import dataclasses
 
 import numpy as np
 import pytest
-from known_organ import BALL, KnownOrgan, geometry_of
+from known_organ import BALL, KnownOrgan, field_of, geometry_of
 from synthetic_field import sphere_organ
 
 from palpate.fields.band import blocks_in_band, tool_band
-from palpate.fields.cook import cook
+from palpate.fields.build_field import build_field
+from palpate.fields.contact_geometry import known_cells
+from palpate.fields.cook import CookError, cook
 from palpate.fields.field_check import check_field
 from palpate.fields.field_error import FieldError
 from palpate.fields.interpolation import evaluate
 from palpate.fields.lattice import ABSENT_INSIDE, ABSENT_OUTSIDE, Lattice
 from palpate.fields.lattice_stencil import sample_lattice
 from palpate.fields.rfield_read import read_header, read_rfield
+from palpate.fields.surface_curvature import foot_points
 
 ORGAN = KnownOrgan(BALL)
 GEOMETRY = geometry_of(ORGAN, 1.0e-3)
@@ -74,8 +77,34 @@ def test_a_file_holds_its_tools_band_and_renders_the_same_there():
         np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.parametrize("band", [(1.0, 1.1), (2e-3, 2e-3), (3e-3, 2e-3), (np.nan, 2e-3)])
+def test_a_band_that_cannot_be_is_not_cooked(band):
+    with pytest.raises(CookError, match="band"):
+        cook(dataclasses.replace(sphere_organ(), band=np.array(band)))
+
+
 def test_a_band_beyond_the_geometrys_is_refused():
     field = sphere_organ()
     wide = dataclasses.replace(field, band=field.geometry.band + 1e-3)
     with pytest.raises(FieldError, match="within the geometry's"):
         check_field(wide)
+
+
+@pytest.mark.parametrize("band", [None, (0.8e-3, 6e-3)])
+def test_deeper_than_any_press_nothing_that_a_file_knows_pulls_the_tool_in(band):
+    """A file knows more than its band, by a block at most; the runtime takes that for contact."""
+    organ = KnownOrgan()
+    held = field_of(organ, 12)
+    field = build_field(
+        held.nodes, held.geometry, held.tool, organ.reach, band=None if band is None else np.array(band)
+    )
+    known = read_rfield(cook(field))
+    lattice = known.geometry.signed_distance
+    q = lattice.origin + (known_cells(lattice) + 0.5) * lattice.spacing
+    deep = evaluate(known, q).depth > 1.05 * field.depth_max
+    surface, normal = foot_points(held.geometry, q[deep])
+    within = organ.reach(surface) <= 0.0
+    q, surface, normal = q[deep][within], surface[within], normal[within]
+    assert len(q) > 50
+    deepest = evaluate(known, surface + (field.tool.offset - field.depth_max) * normal).normal_force
+    assert (evaluate(known, q).normal_force > deepest).all()

@@ -207,7 +207,6 @@ TEST(contract, an_answer_does_not_depend_on_the_cell_that_was_kept) {
     EXPECT_GT(outside, 1000);
 }
 
-// Sums over curves as their definition says, on knots that are shared and on knots that are not; within an interval and beyond the last.
 TEST(contract, what_is_fetched_is_the_cell_that_a_tick_there_enters) {
     random_box r(8);
     r.field.channels = 8;
@@ -240,6 +239,7 @@ TEST(contract, what_is_fetched_is_the_cell_that_a_tick_there_enters) {
     EXPECT_GT(outside, 200);
 }
 
+// Sums over curves as their definition says, on knots that are shared and on knots that are not; within an interval and beyond the last.
 TEST(contract, curves_are_those_of_the_definition_on_any_knots) {
     std::mt19937_64 engine(11);
     std::uniform_real_distribution<double> unit(0.0, 1.0);

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.authored_tool import AuthoredTool, authored_tool
+from palpate.author.field_stage import REACH_MARGIN
 from palpate.author.held_out import FLOOR
 from palpate.fields.build_field import build_field
 from palpate.fields.interpolation import evaluate
@@ -68,7 +69,16 @@ def first(nodes: ResponseNodes, count: int) -> ResponseNodes:
 def rebuilt(authored: AuthoredTool, nodes: ResponseNodes, with_gradients: bool) -> ResponseField:
     field = authored.field
     reach = authored.samples.beyond(authored.mesh)
-    return build_field(nodes, field.geometry, field.tool, reach, with_gradients=with_gradients)
+    return build_field(
+        nodes,
+        field.geometry,
+        field.tool,
+        reach,
+        amplitude_spacing=field.amplitudes.spacing,
+        margin=REACH_MARGIN,
+        with_gradients=with_gradients,
+        band=field.own_band,
+    )
 
 
 def errors(field: ResponseField, presses: list[dict[str, Any]]) -> tuple[np.ndarray, np.ndarray]:

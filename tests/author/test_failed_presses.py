@@ -52,15 +52,15 @@ def made(tmp_path_factory):
             return replace(short, lateral=press.lateral[:1]), REASON
         return press, ""
 
-    patch = pytest.MonkeyPatch()
-    patch.setattr(field_stage, "press_arrays", press_arrays)
-    patch.setattr(field_stage, "knots_of", lambda scene, tool: field_stage.uniform_knots(DEPTH, 13))
-    patch.setattr(field_stage, "shape_of", lambda scene, tool: BALL)
     samples = SimpleNamespace(beyond=lambda mesh: ORGAN.reach)
-    field, failures = field_stage.field_of(
-        None, SimpleNamespace(name="ball"), None, samples, geometry_of(ORGAN), [outcome(i) for i in range(12)], {}
-    )  # fmt: skip
-    patch.undo()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(field_stage, "press_arrays", press_arrays)
+        patch.setattr(field_stage, "knots_of", lambda scene, tool: field_stage.uniform_knots(DEPTH, 13))
+        patch.setattr(field_stage, "shape_of", lambda scene, tool: BALL)
+        patch.setattr(field_stage, "band_of_tool", lambda scene, tool: geometry_of(ORGAN).band)
+        field, failures = field_stage.field_of(
+            None, SimpleNamespace(name="ball"), None, samples, geometry_of(ORGAN), [outcome(i) for i in range(12)], {}
+        )  # fmt: skip
     folder = tmp_path_factory.mktemp("failed") / "asset"
     asset = write_asset(folder, organ_geometry(), field)
     write_rfield(field, folder / "ball.rfield")

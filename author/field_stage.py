@@ -68,7 +68,8 @@ def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) ->
     bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
     beyond = samples.beyond(mesh)
     shallowest = min(own.depth_max(one) for tool in scene.tool for own, one in members_of(scene, tool))
-    for spacing in GEOMETRY_SPACINGS:
+    *coarser, finest = GEOMETRY_SPACINGS
+    for spacing in [*(one for one in coarser if one <= 0.5 * shallowest), finest]:  # else curvature suffers
         geometry = contact_geometry(
             mesh.distance, beyond, bounds, (low, high), spacing=spacing, reach_margin=REACH_MARGIN
         )

@@ -186,7 +186,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
             "file": hashlib.sha256(table.surface.read_bytes()).hexdigest(),
             "units": table.units or "m",
             "repair": table.repair,
-            "version": 2,
+            "version": 3,
         }
     )
     paint = read_paint(scene)
@@ -194,7 +194,8 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         arrays, surface_report = store.kept("surface", surface_key, lambda: _repair(scene))
         vertices, triangles = arrays["vertices"], arrays["triangles"]
         check_against_organ(scene, OrganSummary(vertices, triangles))
-        mesh_key = digest({"surface": surface_key, "mesh_size": size, "version": 1})
+        taken = hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest()
+        mesh_key = digest({"surface": taken, "mesh_size": size, "version": 2})
         tets, mesh_report = store.kept(
             "mesh", mesh_key, lambda: _tetrahedralise(vertices, triangles, surface_report, size)
         )
@@ -211,7 +212,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
         {
             **({} if scale is None else {"stiffness_scale": hashlib.sha256(scale.tobytes()).hexdigest()}),
             "points": hashlib.sha256(tets["points"].tobytes() + tets["tets"].tobytes()).hexdigest(),
-            "surface": hashlib.sha256(vertices.tobytes() + triangles.tobytes()).hexdigest(),
+            "surface": taken,
             "material": table.material.hash_inputs(),
             "supports": [support.hash_inputs() for support in table.support],
             "regions": [region.hash_inputs() for region in table.region],

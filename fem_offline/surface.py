@@ -25,6 +25,11 @@ from palpate.fem_offline.surface_parts import SurfacePart, components, is_closed
 
 __all__ = ["OrganSurface", "SurfacePart", "SurfaceReport", "load_surface", "repair_surface"]
 
+FACET_ANGLE = 2.2
+"""Degrees between neighbouring triangles, the median over an organ: a tool feels larger ones as facets."""
+EDGE_MIN = 1.5e-3
+"""m; no organ is remeshed to shorter edges."""
+
 
 @dataclass(frozen=True)
 class SurfaceReport:
@@ -36,6 +41,7 @@ class SurfaceReport:
         flipped: the input's normals pointed inward.
         wrapped: alpha wrapped.
         remeshed: remeshed to even edges, and smoothed.
+        edge: m, their length; 0 where it was not remeshed.
         opening_radius: opened with this radius after wrapping; 0: not opened.
         dropped: (volume, longest side) of each separate piece that was left out beside the main solid.
         volume, area, extent: of the result.
@@ -54,6 +60,7 @@ class SurfaceReport:
     flipped: bool
     wrapped: bool
     remeshed: bool
+    edge: float
     opening_radius: float
     dropped: tuple[tuple[float, float], ...]
     volume: float
@@ -101,13 +108,13 @@ def repair_surface(
     Args:
         mode: "auto" wraps what is not one closed solid, and remeshes and smooths what was wrapped or is
             meshed unevenly or coarsely; "wrap" always wraps; "none" takes a closed surface as it is.
-        edge: m, length of the result's edges.
+        edge: m, length of the result's edges, less on an organ so curved that they would make it faceted.
         alpha: m, gaps narrower than about twice this are bridged; default 2 % of the longest side, at
             least 4 mm.  Measured on the anatomical liver: at 2 % the wrap is 2.8 mm from the input at most, at
             3 % 4.4 mm in a third of the time.
         offset: m, distance at which the wrap encloses the input; default 0.15 % of the longest side.
         opening_radius: m, wrapped membranes thinner than twice this are taken off; 0 keeps them.
-        smoothing_limit: m, how far smoothing may move a vertex.
+        smoothing_limit: m, how far smoothing may move a vertex; on an organ that gets shorter edges, twice.
 
     Raises:
         SurfaceError: open with mode "none", not a solid, unknown mode.
@@ -137,9 +144,16 @@ def repair_surface(
     passes, smoothing = 0, "none"
     remesh = wrap or (mode != "none" and not _even(vertices, triangles, edge))
     if remesh:
-        vertices, triangles = meshlab.remeshed(vertices, triangles, edge)
-        vertices, passes = faired(vertices, triangles, smoothing_limit, passes_min=10 if wrap else 0)
-        smoothing = f"Taubin 0.5/-0.53, {passes} passes, vertices move at most {1e3 * smoothing_limit:.3g} mm"
+        vertices, triangles, passes = _even_and_smooth(
+            vertices, triangles, edge, smoothing_limit, 10 if wrap else 0
+        )
+        shorter = edge * FACET_ANGLE / max(np.median(dihedral_angles(vertices, triangles)), 1e-9)
+        limit = smoothing_limit
+        if shorter < edge:  # ten passes leave nothing of facets two edges long
+            edge, limit = max(float(shorter), EDGE_MIN), 2.0 * smoothing_limit
+            vertices, triangles, more = _even_and_smooth(vertices, triangles, edge, smoothing_limit, 10)
+            passes += more
+        smoothing = f"Taubin 0.5/-0.53, {passes} passes, vertices move at most {1e3 * limit:.3g} mm"
     vertices = np.ascontiguousarray(vertices, float)
     triangles = np.ascontiguousarray(triangles, np.int32)
     near_p95, near_max = _distance_to_input(vertices, triangles, soup)
@@ -151,6 +165,7 @@ def repair_surface(
         flipped=flipped,
         wrapped=wrap,
         remeshed=remesh,
+        edge=edge if remesh else 0.0,
         opening_radius=opening_radius if wrap else 0.0,
         dropped=dropped,
         volume=solid_volume(vertices, triangles),
@@ -188,6 +203,12 @@ def _even(vertices: np.ndarray, triangles: np.ndarray, edge: float) -> bool:
     height = 2.0 * _areas(vertices, triangles) / length.max(axis=1)
     thin = np.percentile(height / length.max(axis=1), 1)  # 0.87 in an equilateral triangle
     return bool(length.max() < 2.0 * edge and length.mean() > 0.4 * edge and thin > 0.2)
+
+
+def _even_and_smooth(vertices, triangles, edge: float, limit: float, passes_min: int):
+    vertices, triangles = meshlab.remeshed(vertices, triangles, edge)
+    vertices, passes = faired(vertices, triangles, limit, passes_min=passes_min)
+    return vertices, triangles, passes
 
 
 def _main_solid(vertices: np.ndarray, triangles: np.ndarray):

@@ -6,7 +6,7 @@ import trimesh
 
 from palpate.fem_offline.errors import SurfaceError
 from palpate.fem_offline.smoothing import solid_volume
-from palpate.fem_offline.surface import SurfacePart, load_surface, repair_surface
+from palpate.fem_offline.surface import FACET_ANGLE, SurfacePart, load_surface, repair_surface
 from palpate.fem_offline.surface_parts import is_closed
 
 BALL_VOLUME = 4.0 / 3.0 * np.pi * 0.03**3
@@ -146,3 +146,12 @@ def test_closed_liver_that_cuts_itself_is_wrapped(organ_file):
     assert surface.report.wrapped and is_closed(surface.triangles)
     assert surface.report.volume == pytest.approx(solid_volume(vertices, np.asarray(mesh.faces)), rel=0.02)
     assert surface.report.distance_to_input < 2.5e-3
+
+
+@pytest.mark.parametrize(("radius", "shorter"), [(0.03, True), (0.08, False)])
+def test_a_small_organ_gets_shorter_edges_so_that_a_tool_feels_no_facets(as_part, radius, shorter):
+    uneven = as_part(trimesh.creation.uv_sphere(radius=radius, count=(96, 96)), "ball")
+    report = repair_surface([uneven]).report
+    assert report.remeshed
+    assert report.edge == 3.5e-3 if not shorter else 1.5e-3 <= report.edge < 3e-3
+    assert report.dihedral_p50 < 1.1 * FACET_ANGLE

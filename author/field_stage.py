@@ -31,8 +31,10 @@ __all__ = [
     "coarsest_field",
     "contact_geometry_of",
     "field_of",
+    "is_fine_enough",
     "knots_of",
     "press_arrays",
+    "shallowest_of",
 ]
 
 SMALL_MOVE = 1e-4
@@ -41,6 +43,8 @@ GEOMETRY_SPACINGS = (2e-3, 1.5e-3)
 """m; the first that keeps the signed distance within GEOMETRY_ERROR is taken, or the last."""
 GEOMETRY_ERROR = 0.005
 """Of the least depth_max, at p99: 4 % of a force that goes with d^1.5 at 20 % of the depth; a hundredth has that."""
+SPACING_IN_DEPTHS = 0.5
+"""Coarsest geometry over the least depth_max; with more, a family from 2 mm on missed its 1 % (curvature)."""
 AMPLITUDE_SPACINGS = (5e-3, 4e-3, 3e-3)
 """m; the first whose lattice loses at most REPRESENTATION_ERROR is taken, or the one that loses least."""
 REPRESENTATION_ERROR = 0.007
@@ -67,15 +71,28 @@ def contact_geometry_of(scene: Scene, mesh: OrganMesh, samples: ReachSamples) ->
     around = REACH_MARGIN + max(abs(low), abs(high)) + 5e-3
     bounds = np.stack([samples.points.min(axis=0) - around, samples.points.max(axis=0) + around])
     beyond = samples.beyond(mesh)
-    shallowest = min(own.depth_max(one) for tool in scene.tool for own, one in members_of(scene, tool))
+    shallowest = min(shallowest_of(scene, tool) for tool in scene.tool)
     *coarser, finest = GEOMETRY_SPACINGS
-    for spacing in [*(one for one in coarser if one <= 0.5 * shallowest), finest]:  # else curvature suffers
+    for spacing in [*(one for one in coarser if one <= SPACING_IN_DEPTHS * shallowest), finest]:
         geometry = contact_geometry(
             mesh.distance, beyond, bounds, (low, high), spacing=spacing, reach_margin=REACH_MARGIN
         )
-        if geometry.error_p99 <= GEOMETRY_ERROR * shallowest:
+        if is_fine_enough(geometry, shallowest):
             break
     return rounded_geometry(geometry)
+
+
+def shallowest_of(scene: Scene, tool: Tool) -> float:
+    """m; the least depth_max of a tool's radii and tilts."""
+    return min(own.depth_max(one) for own, one in members_of(scene, tool))
+
+
+def is_fine_enough(geometry: ContactGeometry, shallowest: float) -> bool:
+    """Whether a contact geometry serves a tool whose least depth_max is `shallowest` (m), or could not be finer."""
+    spacing = geometry.signed_distance.spacing
+    if spacing <= GEOMETRY_SPACINGS[-1]:
+        return True
+    return spacing <= SPACING_IN_DEPTHS * shallowest and geometry.error_p99 <= GEOMETRY_ERROR * shallowest
 
 
 def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:

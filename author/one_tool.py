@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from palpate.author.errors import InputError, InputProblem
-from palpate.author.field_stage import band_of_tool
+from palpate.author.field_stage import band_of_tool, is_fine_enough, shallowest_of
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.fields.organ_geometry import OrganGeometry, organ_hash
@@ -42,7 +42,7 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
 
     Raises:
         InputError: the asset is of another organ, material, mesh, support, region or reach (of its first tool), or is
-            not known as deep or as far out as the tool needs.
+            not known as deep, as far out or as finely as the tool needs.
     """
     if not any(not path.name.startswith(".") for path in folder.glob("*.usda")):
         return None
@@ -61,6 +61,14 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
     if low < geometry.band[0] - SLACK or high > geometry.band[1] + SLACK:
         known, needed = (_millimetres(*band) for band in (geometry.band, (low, high)))
         what = f"needs the organ's distance known {needed} from the surface; this asset knows it {known}"
+        raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
+    shallowest = shallowest_of(scene, tool)
+    if not is_fine_enough(geometry, shallowest):
+        spacing, error = geometry.signed_distance.spacing, geometry.error_p99
+        what = (
+            f"presses {1e3 * shallowest:.1f} mm deep, for which this asset's contact geometry is too coarse: every "
+            f"{1e3 * spacing:.1f} mm, off by up to {1e6 * error:.0f} um"
+        )
         raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
     return geometry
 

@@ -14,10 +14,12 @@ from palpate.author.field_stage import (
     GEOMETRY_ERROR,
     GEOMETRY_SPACINGS,
     REPRESENTATION_ERROR,
+    SPACING_IN_DEPTHS,
     band_of,
     band_of_tool,
     coarsest_field,
     contact_geometry_of,
+    is_fine_enough,
 )
 from palpate.author.scene import load_scene
 
@@ -47,13 +49,28 @@ def test_geometry_is_as_coarse_as_the_shallowest_tool_allows(monkeypatch, error,
 
     def made(*_, spacing, **__):
         asked.append(spacing)
-        return SimpleNamespace(error_p99=error[len(asked) - 1] * allowed)
+        return SimpleNamespace(
+            error_p99=error[len(asked) - 1] * allowed, signed_distance=SimpleNamespace(spacing=spacing)
+        )
 
     monkeypatch.setattr(field_stage, "contact_geometry", made)
     monkeypatch.setattr(field_stage, "rounded_geometry", lambda geometry: geometry)
     samples = SimpleNamespace(points=np.zeros((1, 3)), beyond=lambda mesh: None)
     contact_geometry_of(scene, SimpleNamespace(distance=None), samples)
     assert tuple(asked) == GEOMETRY_SPACINGS[: taken + 1]
+
+
+def test_geometry_serves_no_tool_that_presses_less_deep_than_it_is_fine():
+    coarse, finest = GEOMETRY_SPACINGS
+    depth = coarse / SPACING_IN_DEPTHS
+
+    def known(spacing, error):
+        return SimpleNamespace(error_p99=error, signed_distance=SimpleNamespace(spacing=spacing))
+
+    assert is_fine_enough(known(coarse, GEOMETRY_ERROR * depth), depth)
+    assert not is_fine_enough(known(coarse, 0.0), 0.99 * depth)
+    assert not is_fine_enough(known(coarse, 1.01 * GEOMETRY_ERROR * depth), depth)
+    assert is_fine_enough(known(finest, 1.0), 0.1 * depth)  # none is finer
 
 
 def test_the_scenes_band_holds_every_tools():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from palpate.assets import scene_path
-from palpate.author import pipeline, tool_work
+from palpate.author import field_stage, pipeline, tool_work
 from palpate.author.errors import InputError, PalpateError
 from palpate.author.place import Sphere
 from palpate.author.scene import load_scene
@@ -165,7 +165,9 @@ def test_a_second_tool_is_added_and_touches_nothing_of_the_first(block, out, mon
     assert json.loads(str(np.load(new.pop())["_json"]))["far_field_kept"]
 
 
-def test_a_tool_that_does_not_go_with_the_asset_is_refused_before_anything_is_pressed(block, out):
+def test_a_tool_that_does_not_go_with_the_asset_is_refused_before_anything_is_pressed(
+    block, out, monkeypatch
+):
     scene = load_scene(block[2])
     with pytest.raises(InputError, match=r"is no tool of this scene.*ball_5mm"):
         pipeline.author(scene, out, tool="knife")
@@ -173,6 +175,12 @@ def test_a_tool_that_does_not_go_with_the_asset_is_refused_before_anything_is_pr
         InputError, match=r"known from 0\.5 to 9\.0 mm from the surface; this asset knows it from -0\.5 to 8"
     ):
         pipeline.author(with_tool(block[2], "6 mm"), out, tool="another")
+    with monkeypatch.context() as patch:
+        patch.setattr(field_stage, "GEOMETRY_SPACINGS", (2e-3, 1e-3))
+        with pytest.raises(
+            InputError, match=r"presses 2\.0 mm deep.*too coarse: every 1\.5 mm, off by up to"
+        ):
+            pipeline.author(with_tool(block[2], "2 mm"), out, tool="another")
     held = scene.organ.support[0].model_copy(update={"kind": "elastic", "stiffness": 1e6})
     other = scene.model_copy(update={"organ": scene.organ.model_copy(update={"support": [held]})})
     with pytest.raises(InputError, match="not this scene's"):

@@ -14,6 +14,16 @@ namespace palpate {
 constexpr std::uint32_t ticks_a_look = 4;  // each tick would be 3 % more instructions
 constexpr double ticks_ahead = 8.0;        // more is too far for a fast tool, less is too late for what comes from memory
 
+// Near the surface: where the tool would be a little deep if it went straight down.
+inline void look_below(palpate_session& s, double x, double y, double z, const location& at) noexcept {
+    s.under_distance.entered = false;
+    const double spacing = s.field->geometry.spacing;
+    if (at.region != PALPATE_REGION_FREE || at.depth < -spacing || !plain(s)) return;
+    const double down = at.depth - 0.25 * spacing;
+    s.field->contract->fetch_cells(*s.field, x + down * at.gradient[0], y + down * at.gradient[1], z + down * at.gradient[2],
+                                   s.fetched);
+}
+
 inline void look_ahead(palpate_session& s, const motion& m, const location& at) noexcept {
     bool& entered = s.under_distance.entered;
     if (m.in_cell && s.touching) {  // where it slides
@@ -25,13 +35,8 @@ inline void look_ahead(palpate_session& s, const motion& m, const location& at) 
         s.ticks_since_look = 0;
         s.field->contract->fetch_cells(*s.field, m.q[0] + ticks_ahead * m.step[0], m.q[1] + ticks_ahead * m.step[1],
                                        m.q[2] + ticks_ahead * m.step[2], s.fetched);
-    } else if (entered) {  // near the surface, where it would be a little deep if it went straight down
-        entered = false;
-        const double spacing = s.field->geometry.spacing;
-        if (at.region != PALPATE_REGION_FREE || at.depth < -spacing || !plain(s)) return;
-        const double down = at.depth - 0.25 * spacing;
-        s.field->contract->fetch_cells(*s.field, m.q[0] + down * at.gradient[0], m.q[1] + down * at.gradient[1],
-                                       m.q[2] + down * at.gradient[2], s.fetched);
+    } else if (entered) {
+        look_below(s, m.q[0], m.q[1], m.q[2], at);
     }
 }
 

@@ -12,20 +12,22 @@
 #define PALPATE_SRC_CELL_H
 
 #include <cstdint>
+#include <limits>
 
 namespace palpate {
 
 constexpr std::uint32_t no_cell = 0xFFFFFFFFu;
 constexpr std::int32_t kept_channels = 8;
 
-// Nothing is kept in a cell with this number.
+// No point is in a cell with this number.
 inline void forget(std::uint32_t cell[4]) noexcept {
     for (int a = 0; a < 4; ++a) cell[a] = no_cell;
 }
 
 // Of the distance: A, B, C along x, then y (9 of them), of the four counts along z that begin with tap 0.
 struct distance_cell {
-    std::uint32_t cell[4];  // of tap 0; cell[0] is no_cell while nothing is kept
+    std::uint32_t cell[4];  // of tap 0
+    double corner[4];       // the same numbers: a point at u is in the cell while 0 <= u - corner < 1; the first is NaN while nothing is kept
     double along_z[9][4];
     bool entered;           // set when it is made, taken back by who looks ahead
 };
@@ -34,11 +36,19 @@ struct distance_cell {
 // to make than they save.
 struct amplitude_cell {
     std::uint32_t cell[4];
+    double corner[4];
     double t[4];   // of the point in the cell, by axis
     bool inside;   // the point's stencil lies in the lattice's box; else the rest is of an earlier point
     bool entered;  // as above
     double channels[kept_channels / 4][27][4];
 };
+
+// Nothing is kept.
+template <class Cell>
+void forget(Cell& kept) noexcept {
+    forget(kept.cell);
+    for (double& x : kept.corner) x = std::numeric_limits<double>::quiet_NaN();
+}
 
 // The cells that the caches were last asked to get (ahead.h).
 struct fetched_cells {

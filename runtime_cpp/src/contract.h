@@ -38,7 +38,7 @@ struct amplitude_taps {
 constexpr double value_sums_per_count = 8.0 * 65536.0, slope_sums_per_count = 4.0 * 65536.0;
 
 struct contraction {
-    // Depth (m) and grad phi at q = (x, y, z) (m); false unless all 27 counts under q are stored.
+    // Depth (m) and grad phi at q = (x, y, z) (m), any numbers; false unless all 27 counts under q are stored.
     bool (*distance)(const palpate_field& field, double x, double y, double z, distance_cell& kept,
                      double depth_and_gradient[4]) PALPATE_REAL_TIME;
     // Makes `kept` the cell of q.

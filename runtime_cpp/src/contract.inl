@@ -18,10 +18,7 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
     std::int64_t rows[8], all_rows = 0;
     PALPATE_UNROLL_8
     for (int i = 0; i < 8; ++i) all_rows |= rows[i] = row[i];
-    if (all_rows < 0) {
-        kept.cell[0] = no_cell;
-        return false;
-    }
+    if (all_rows < 0) return false;
     kept.entered = true;
     const std::int16_t* block[8];
     PALPATE_UNROLL_8
@@ -53,14 +50,8 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
     return true;
 }
 
-bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept,
-              double depth_and_gradient[4]) PALPATE_REAL_TIME {
-    const lattice& L = field.geometry;
-    const quad u = cell_coordinates(L, px, py, pz);
-    if (!all_within(u, load(L.last))) return false;
-    bool same;
-    const quad t = u - truncated(u, kept.cell, same);
-    if (!same && !enter(L, field.geometry_coefficients, kept)) return false;
+// At t in the kept cell.
+PALPATE_INLINE void distance_in(const palpate_field& field, const distance_cell& kept, const quad& t, double depth_and_gradient[4]) noexcept {
     const quad x = lane<0>(t), y = lane<1>(t);
     quad s[3], sy[3];
     PALPATE_UNROLL_3
@@ -78,6 +69,30 @@ bool distance(const palpate_field& field, double px, double py, double pz, dista
     const value_slope along_z(f.A, f.B, f.C, lane<2>(t));
     const quad sums = with_fourth(along_z.value, along_z.slope);
     store(depth_and_gradient, load(field.distance_scale) * sums + load(field.distance_shift));
+}
+
+// Apart, or every tick pays for the registers that this one needs.
+PALPATE_APART bool distance_in_another_cell(const palpate_field& field, double px, double py, double pz, distance_cell& kept,
+                                            double depth_and_gradient[4]) noexcept {
+    const lattice& L = field.geometry;
+    const quad u = cell_coordinates(L, px, py, pz);
+    if (!all_within(u, load(L.last))) return false;
+    const quad corner = truncated(u, kept.cell);
+    store(kept.corner, corner);
+    if (!enter(L, field.geometry_coefficients, kept)) {
+        forget(kept);
+        return false;
+    }
+    distance_in(field, kept, u - corner, depth_and_gradient);
+    return true;
+}
+
+bool distance(const palpate_field& field, double px, double py, double pz, distance_cell& kept,
+              double depth_and_gradient[4]) PALPATE_REAL_TIME {
+    // Exact in the cell, so nobody waits to learn which cell it is.
+    const quad t = cell_coordinates(field.geometry, px, py, pz) - load(kept.corner);
+    if (!all_within(t, all(1.0))) return distance_in_another_cell(field, px, py, pz, kept, depth_and_gradient);
+    distance_in(field, kept, t, depth_and_gradient);
     return true;
 }
 
@@ -230,11 +245,17 @@ void amplitudes(const amplitude_taps& taps, std::int64_t way, std::int32_t gradi
 void go_to(const palpate_field& field, double px, double py, double pz, amplitude_cell& kept) PALPATE_REAL_TIME {
     const lattice& L = field.amplitudes;
     const quad u = cell_coordinates(L, px, py, pz);
+    const quad t = u - load(kept.corner);
+    if (all_within(t, all(1.0))) {
+        kept.inside = true;
+        store(kept.t, t);
+        return;
+    }
     kept.inside = field.channels <= kept_channels && all_within(u, load(L.last));
     if (!kept.inside) return;
-    bool same;
-    store(kept.t, u - truncated(u, kept.cell, same));
-    if (same) return;
+    const quad corner = truncated(u, kept.cell);
+    store(kept.corner, corner);
+    store(kept.t, u - corner);
     kept.entered = true;
     amplitude_taps taps;
     lines_inside(L, field.amplitude_coefficients, kept.cell, taps);

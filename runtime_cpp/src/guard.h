@@ -4,6 +4,7 @@
 #ifndef PALPATE_SRC_GUARD_H
 #define PALPATE_SRC_GUARD_H
 
+#include <cmath>
 #include <cstdint>
 
 #include "palpate/palpate.h"
@@ -43,7 +44,7 @@ inline void release(accounts& books, double work, double before) noexcept {
 // m; no tool is further from its organ.  Keeps lattice coordinates far inside the range of an integer.
 constexpr double position_limit = 1e3;
 
-inline bool within(double x, double limit) noexcept { return x >= -limit && x <= limit; }  // false for NaN
+inline bool within(double x, double limit) noexcept { return std::fabs(x) <= limit; }  // false for NaN
 
 // Why this input cannot be used at all: PALPATE_TICK_BAD_INPUT or 0.
 inline std::uint32_t input_fault(const palpate_tool_state& state) noexcept {
@@ -51,7 +52,7 @@ inline std::uint32_t input_fault(const palpate_tool_state& state) noexcept {
         const double length_squared = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
         return length_squared > 0.98 && length_squared < 1.02;
     };
-    bool usable = state.dt > 0.0 && within(state.dt, 1e9);
+    bool usable = state.dt > 0.0 && state.dt <= 1e9;
     for (double x : state.position) usable = usable && within(x, position_limit);
     if ((state.flags & PALPATE_INPUT_POSITION_ONLY) == 0) usable = usable && unit(state.orientation);
     if ((state.flags & PALPATE_INPUT_ORGAN_POSE) != 0) {

@@ -72,7 +72,7 @@ void locate_unknown(const palpate_field& field, double x, double y, double z, lo
 
 void locate(const palpate_field& field, const double q[3], location& found) PALPATE_REAL_TIME {
     distance_cell cell;
-    forget(cell.cell);
+    forget(cell);
     locate(field, q[0], q[1], q[2], cell, found);
 }
 
@@ -87,7 +87,7 @@ void look_along(const palpate_field& field, const double from[3], const double t
         return;
     }
     distance_cell kept;
-    forget(kept.cell);
+    forget(kept);
     bool touching = start_normal != nullptr;
     if (touching) {
         for (int a = 0; a < 3; ++a) seen.normal[a] = start_normal[a];

@@ -58,6 +58,7 @@ palpate_status palpate_session_init(void* memory, size_t size, const palpate_fie
     } else {
         palpate_config_default(&s->config);
     }
+    for (double x : s->config.reference_point) s->has_arm = s->has_arm || x != 0.0;
     palpate::begin(*s);
     *session = s;
     return PALPATE_OK;

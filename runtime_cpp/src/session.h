@@ -39,6 +39,7 @@ struct palpate_session {
     palpate::gate entry;
     bool has_q;       // q is valid
     bool touching;
+    bool has_arm;     // config.reference_point is not 0
 
     double cosine;                                  // of tool axis and normal, within the field's ways; see ways.h
     double amplitude[palpate::rfield_channel_limit];  // that axial's stored energy is made of
@@ -54,8 +55,8 @@ namespace palpate {
 
 // No cell of a lattice is kept any more: the next one may be another field's.
 inline void forget_cells(palpate_session& session) noexcept {
-    forget(session.under_distance.cell);
-    forget(session.under_amplitudes.cell);
+    forget(session.under_distance);
+    forget(session.under_amplitudes);
     forget(session.fetched.distance);
     forget(session.fetched.amplitudes);
 }

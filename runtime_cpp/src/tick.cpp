@@ -9,6 +9,8 @@
 //   4. contact that cannot go on (too deep, through, jumped, bad input) gives up E as a whole: dissipated.
 // First contact sets the spring down unstretched; lift-off has U = k = 0, so E ends at zero by itself.
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 #include "ahead.h"
 #include "contact.h"
@@ -21,14 +23,22 @@
 namespace palpate {
 namespace {
 
-// The response part of *out for a session that sends no force.
-void write_free(const palpate_session& s, palpate_tool_response& out) noexcept {
-    for (int a = 0; a < 3; ++a) {
-        out.force[a] = out.torque[a] = out.normal[a] = 0.0;
-        out.reference_point[a] = out.anchor[a] = s.q[a];
-    }
-    out.normal_force = out.stiffness = out.friction_stiffness = out.friction_coefficient = 0.0;
-    out.stored_energy = out.spring_energy = out.surface_offset = 0.0;
+// Doubles in a row, from one member up to another.
+#define PALPATE_ROW(from, to) static_cast<int>((offsetof(palpate_tool_response, to) - offsetof(palpate_tool_response, from)) / sizeof(double))
+static_assert(PALPATE_ROW(force, reference_point) == 6 && PALPATE_ROW(normal, stiffness) == 5 && PALPATE_ROW(stiffness, work_in) == 6 &&
+                  PALPATE_ROW(work_in, way_cosine) * sizeof(double) == sizeof(accounts),
+              "rows that nothing interrupts; the accounts in their order");
+
+// The response part of *out for a session that sends no force.  The depth, which is among it, is written later.
+// In short rows: gcc clears 64 bytes in pairs, more by a string instruction that takes longer than the whole tick.
+PALPATE_INLINE void write_free(double x, double y, double z, palpate_tool_response& out) noexcept {
+    auto* const bytes = reinterpret_cast<unsigned char*>(&out);
+    std::memset(bytes + offsetof(palpate_tool_response, force), 0, PALPATE_ROW(force, reference_point) * sizeof(double));
+    std::memset(bytes + offsetof(palpate_tool_response, normal), 0, PALPATE_ROW(normal, stiffness) * sizeof(double));
+    std::memset(bytes + offsetof(palpate_tool_response, stiffness), 0, PALPATE_ROW(stiffness, work_in) * sizeof(double));
+    out.reference_point[0] = out.anchor[0] = x;
+    out.reference_point[1] = out.anchor[1] = y;
+    out.reference_point[2] = out.anchor[2] = z;
 }
 
 void write_books(const palpate_session& s, palpate_tool_response& out) noexcept {
@@ -104,29 +114,15 @@ bool change_field(palpate_session& s, motion& m, location& at, std::uint32_t& st
     return touching;
 }
 
-}  // namespace
-
-void begin(palpate_session& s) PALPATE_REAL_TIME {
-    let_go(s);
-    s.books = accounts{};
-    s.entry = gate::closed;
-    s.has_q = false;
-    for (double& x : s.q) x = 0.0;
-    s.cosine = clamped_cosine(*s.field, 1.0);
-    const palpate_organ* source = s.organ.source;
-    s.organ = carriage{};
-    s.organ.source = source;
-    s.organ.used = source != nullptr;
-    forget_cells(s);
-}
-
-std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME {
-    std::uint32_t status = input_fault(state);
+// Any tick.  `known`: where the reference point is in s.field, for a usable input; null where nobody has looked.
+PALPATE_APART std::uint32_t any_tick(palpate_session& s, const palpate_tool_state& state, const location* known,
+                                     palpate_tool_response& out) PALPATE_REAL_TIME {
+    std::uint32_t status = known == nullptr ? input_fault(state) : 0;
     if (status != 0) {
         give_up(s, 0.0);  // where the hand went is not known, so neither is its work
         s.entry = gate::closed;
         s.has_q = false;
-        write_free(s, out);
+        write_free(s.q[0], s.q[1], s.q[2], out);
         write_books(s, out);
         out.depth = 0.0;
         out.region = PALPATE_REGION_UNKNOWN;
@@ -140,7 +136,13 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     m.in_cell = s.touching && plain(s);
     if (m.in_cell) go_to(*s.field, q[0], q[1], q[2], s.under_amplitudes);
     location at;
-    locate(*s.field, q[0], q[1], q[2], s.under_distance, at);
+    if (known == nullptr) {
+        locate(*s.field, q[0], q[1], q[2], s.under_distance, at);
+    } else {
+        at.region = known->region;
+        at.depth = known->depth;
+        for (int a = 0; a < 3; ++a) at.gradient[a] = known->gradient[a];
+    }
     for (int a = 0; a < 3; ++a) {
         m.q[a] = q[a];
         m.step[a] = s.has_q ? q[a] - s.q[a] : 0.0;
@@ -193,13 +195,69 @@ std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_
     s.has_q = true;
     s.cosine = m.cosine;
     if (s.next_field != nullptr) touching = change_field(s, m, at, status, out);
-    if (!touching) write_free(s, out);
+    if (!touching) write_free(s.q[0], s.q[1], s.q[2], out);
     write_books(s, out);
     out.depth = at.depth - m.shift;
     out.region = at.region;
     out.status = status;
     look_ahead(s, m, at);
     return status;
+}
+
+// Most ticks in free space: the tool was free and is, the field has one way of touching, and nobody asks for anything.  Then there is no
+// force, no work and no energy, and this leaves out what the long way would find to be zero; the answer has the same bits.
+// The distance comes first, whatever the input (a point that is none lies in no box): what is asked meanwhile costs no time.
+PALPATE_APART std::uint32_t free_tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME {
+    const palpate_field& field = *s.field;
+    double x = state.position[0], y = state.position[1], z = state.position[2];  // not an array, which would wait for memory
+    if (!PALPATE_EXPECTED(!s.has_arm)) {
+        double q[3];
+        reference_point(state, s.config.reference_point, q);
+        x = q[0], y = q[1], z = q[2];
+    }
+    location at;
+    if (!PALPATE_EXPECTED(field.contract->distance(field, x, y, z, s.under_distance, &at.depth))) return any_tick(s, state, nullptr, out);
+    const double step[3] = {x - s.q[0], y - s.q[1], z - s.q[2]};
+    const double length_squared = dot(step, step), reach = s.config.speed_max * state.dt, spacing = field.geometry.spacing;
+    const bool jump = s.config.speed_max > 0.0 && length_squared > reach * reach;
+    at.region = at.depth > 0.0 ? PALPATE_REGION_CONTACT : PALPATE_REGION_FREE;
+    if (!PALPATE_EXPECTED(input_fault(state) == 0)) return any_tick(s, state, nullptr, out);
+    if (!PALPATE_EXPECTED(at.region == PALPATE_REGION_FREE && s.has_q && s.next_field == nullptr && field.way_count == 1 && !jump &&
+                          state.dt <= s.config.dt_max && (state.flags & PALPATE_INPUT_RELEASE) == 0 &&
+                          length_squared <= spacing * spacing)) {
+        return any_tick(s, state, &at, out);
+    }
+    s.entry = gate::open;
+    s.q[0] = x, s.q[1] = y, s.q[2] = z;
+    write_free(x, y, z, out);
+    // The accounts were written long ago, or pairs would wait for them.
+    std::memcpy(reinterpret_cast<unsigned char*>(&out) + offsetof(palpate_tool_response, work_in), &s.books, sizeof s.books);
+    out.way_cosine = s.cosine;
+    out.depth = at.depth;
+    out.region = PALPATE_REGION_FREE;
+    out.status = 0;
+    if (s.under_distance.entered) look_below(s, x, y, z, at);
+    return 0;
+}
+
+}  // namespace
+
+void begin(palpate_session& s) PALPATE_REAL_TIME {
+    let_go(s);
+    s.books = accounts{};
+    s.entry = gate::closed;
+    s.has_q = false;
+    for (double& x : s.q) x = 0.0;
+    s.cosine = clamped_cosine(*s.field, 1.0);
+    const palpate_organ* source = s.organ.source;
+    s.organ = carriage{};
+    s.organ.source = source;
+    s.organ.used = source != nullptr;
+    forget_cells(s);
+}
+
+std::uint32_t tick(palpate_session& s, const palpate_tool_state& state, palpate_tool_response& out) PALPATE_REAL_TIME {
+    return s.touching ? any_tick(s, state, nullptr, out) : free_tick(s, state, out);
 }
 
 }  // namespace palpate

@@ -7,9 +7,11 @@
 #if defined(__GNUC__)
 #define PALPATE_INLINE inline __attribute__((always_inline))
 #define PALPATE_APART __attribute__((noinline))
+#define PALPATE_EXPECTED(condition) __builtin_expect(condition, 1)
 #else
 #define PALPATE_INLINE inline
 #define PALPATE_APART
+#define PALPATE_EXPECTED(condition) (condition)
 #endif
 
 namespace palpate {

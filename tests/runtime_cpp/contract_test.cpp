@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "executed_fetches.h"
 #include "field.h"
 #include "respond.h"
 #include "test_field.h"
@@ -66,7 +67,7 @@ struct random_box {
     void geometry_sums(const contraction& c, distance_cell& kept, double sums[4]) const { ASSERT_TRUE(c.distance(field, q[0], q[1], q[2], kept, sums)); }
     void geometry_sums(const contraction& c, double sums[4]) const {
         distance_cell fresh;
-        forget(fresh.cell);
+        forget(fresh);
         geometry_sums(c, fresh, sums);
     }
     void amplitude_sums_from(const contraction& c, std::int64_t way, std::int32_t gradients, std::int32_t channels, amplitude_sums& sums) const {
@@ -138,7 +139,7 @@ TEST(contract, amplitudes_beyond_the_box_are_zero) {
 TEST(contract, geometry_is_known_only_where_every_coefficient_is_stored) {
     random_box r(4);
     distance_cell kept;
-    forget(kept.cell);
+    forget(kept);
     double sums[4];
     const auto known = [&](double x, double y, double z) { return contraction_here().distance(r.field, x, y, z, kept, sums); };
     EXPECT_TRUE(known(0.0, 0.0, 0.0));
@@ -170,16 +171,16 @@ TEST(contract, an_answer_does_not_depend_on_the_cell_that_was_kept) {
     const double gradient[3] = {0.1, 0.2, 0.9};
     distance_cell kept_distance;
     amplitude_cell kept;
-    forget(kept_distance.cell);
-    forget(kept.cell);
+    forget(kept_distance);
+    forget(kept);
     int same = 0, changed = 0, outside = 0;
     r.q = {3.0, 3.0, 3.0};
     for (int i = 0; i < 20000; ++i) {
         for (double& x : r.q) x = i % 50 == 0 ? 10.0 * r.unit(r.engine) - 2.0 : x + 0.4 * (r.unit(r.engine) - 0.5);
         distance_cell no_distance;
         amplitude_cell nothing;
-        forget(no_distance.cell);
-        forget(nothing.cell);
+        forget(no_distance);
+        forget(nothing);
         double with[4] = {}, without[4] = {};
         const contraction& c = contraction_here();
         const bool known = c.distance(r.field, r.q[0], r.q[1], r.q[2], kept_distance, with);
@@ -220,8 +221,8 @@ TEST(contract, what_is_fetched_is_the_cell_that_a_tick_there_enters) {
         if (i % 100 == 0) r.q[i / 100 % 3] = i % 200 == 0 ? std::nan("") : 1e9;
         distance_cell distance;
         amplitude_cell amplitudes;
-        forget(distance.cell);
-        forget(amplitudes.cell);
+        forget(distance);
+        forget(amplitudes);
         double sums[4];
         const fetched_cells before = last;
         c.fetch_cells(r.field, r.q[0], r.q[1], r.q[2], last);
@@ -238,6 +239,26 @@ TEST(contract, what_is_fetched_is_the_cell_that_a_tick_there_enters) {
     EXPECT_GT(inside, 200);
     EXPECT_GT(outside, 200);
 }
+
+#if defined(PALPATE_COUNTS_FETCHES)
+TEST(contract, fetching_is_done_by_the_processor_once_for_each_line_of_a_new_cell) {
+    random_box r(8);
+    r.field.channels = 8;
+    const contraction* of[] = {&contraction_baseline, &contraction_here()};
+    for (const contraction* c : of) {
+        fetched_cells last;
+        forget(last.distance);
+        forget(last.amplitudes);
+        const auto fetches_at = [&](double x, double y, double z) {
+            return palpate_test::executed_fetches([&] { c->fetch_cells(r.field, x, y, z, last); });
+        };
+        EXPECT_EQ(fetches_at(1.5, 2.5, 3.5), 8 + 18);  // lines of the distance, of the amplitudes
+        EXPECT_EQ(fetches_at(1.6, 2.4, 3.6), 0);
+        EXPECT_EQ(fetches_at(2.5, 2.5, 3.5), 8 + 18);
+        EXPECT_EQ(fetches_at(-9.5, 2.5, 3.5), 0);
+    }
+}
+#endif
 
 // Sums over curves as their definition says, on knots that are shared and on knots that are not; within an interval and beyond the last.
 TEST(contract, curves_are_those_of_the_definition_on_any_knots) {

@@ -15,7 +15,7 @@ namespace {
 void respond(const palpate_field& field, const double q[3], double depth, const double gradient[3], response& found) {
     amplitude_sums amplitudes;
     amplitude_cell cell;
-    forget(cell.cell);
+    forget(cell);
     go_to(field, q[0], q[1], q[2], cell);
     palpate::respond(field, q, depth, gradient, cell, found, amplitudes);
 }

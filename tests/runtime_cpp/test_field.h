@@ -47,6 +47,9 @@ struct session_memory {
         config.friction_coefficient = friction;
         EXPECT_EQ(palpate_session_init(bytes.data(), bytes.size() * 8, field, &config, &session), PALPATE_OK);
     }
+    session_memory(const palpate_field* field, const palpate_config& config) {
+        EXPECT_EQ(palpate_session_init(bytes.data(), bytes.size() * 8, field, &config, &session), PALPATE_OK);
+    }
     palpate_tool_response tick(const point& p, double dt = 1e-3) const {
         palpate_tool_state state{sizeof state, PALPATE_INPUT_POSITION_ONLY, dt, {p[0], p[1], p[2]}, {0, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}};
         palpate_tool_response response{};

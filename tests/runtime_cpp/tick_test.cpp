@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <random>
 
+#include "executed_fetches.h"
 #include "session.h"
 #include "test_field.h"
 
@@ -160,6 +162,64 @@ TEST(tick, looking_ahead_is_done_and_changes_no_answer) {
     }
     EXPECT_GT(looks, 1000);
     EXPECT_GT(felt, 30000);
+}
+
+#if defined(PALPATE_COUNTS_FETCHES)
+TEST(tick, sliding_and_coming_near_fetch_from_memory) {
+    const opened_field sphere("sphere");
+    const session_memory memory(sphere.field);
+    long in_contact = 0, in_free_space = 0;
+    for (int i = 0; i < 16; ++i) {
+        const double a = 5e-3 * i, r = i < 4 ? 35.5e-3 : 33e-3;
+        const auto one_tick = [&] { (void)memory.tick({r * std::sin(a), 0, r * std::cos(a)}); };
+        if (i == 0 || i > 10) {  // an instruction takes microseconds so
+            (i == 0 ? in_free_space : in_contact) += palpate_test::executed_fetches(one_tick);
+        } else {
+            one_tick();
+        }
+    }
+    EXPECT_GE(in_contact, 18);
+    EXPECT_GE(in_free_space, 8);
+}
+#endif
+
+TEST(tick, the_short_way_in_free_space_says_what_the_long_way_says) {
+    const opened_field sphere("sphere");
+    for (const double tip : {0.0, -0.1}) {
+        palpate_config config;
+        palpate_config_default(&config);
+        config.reference_point[2] = tip;
+        const session_memory quick(sphere.field, config), slow(sphere.field, config);
+        std::mt19937_64 random(6);
+        std::uniform_real_distribution<double> height(34.6e-3, 36e-3);
+        palpate_tool_state state{};
+        state.size = sizeof state;
+        state.dt = 1e-3;
+        state.orientation[3] = 1.0;
+        palpate_tool_response one, other;
+        int free = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const double a = 1e-4 * i, r = i % 100 < 20 ? 33e-3 : height(random);
+            state.position[0] = r * std::sin(a);
+            state.position[2] = r * std::cos(a) - tip;
+            state.flags = random() % 50 == 0 ? PALPATE_INPUT_RELEASE : 0;
+            std::memset(&one, 0xA5, sizeof one);  // nothing may be left as it was
+            std::memset(&other, 0x5A, sizeof other);
+            one.size = other.size = sizeof one;
+            one.reserved = other.reserved = 0;
+            palpate_tick(quick.session, &state, &one);
+            // Without a last place the long way is taken; in free space no answer depends on that place.
+            if (one.region == PALPATE_REGION_FREE && !slow.session->touching) {
+                slow.session->has_q = false;
+                ++free;
+            }
+            palpate_tick(slow.session, &state, &other);
+            ASSERT_EQ(std::memcmp(&one, &other, sizeof one), 0) << i;
+            ASSERT_EQ(std::memcmp(quick.session, slow.session, sizeof *quick.session), 0) << i;
+        }
+        EXPECT_GT(free, 5000);
+        EXPECT_NE(one.work_in, 0.0);
+    }
 }
 
 TEST(tick, zero_force_bits_mean_zero_force) {

@@ -30,7 +30,7 @@ static_assert(PALPATE_ROW(force, reference_point) == 6 && PALPATE_ROW(normal, st
               "rows that nothing interrupts; the accounts in their order");
 
 // The response part of *out for a session that sends no force.  The depth, which is among it, is written later.
-// In short rows: gcc clears 64 bytes in pairs, more by a string instruction that takes longer than the whole tick.
+// In short rows: gcc clears these in pairs, 88 bytes by a string instruction.
 PALPATE_INLINE void write_free(double x, double y, double z, palpate_tool_response& out) noexcept {
     auto* const bytes = reinterpret_cast<unsigned char*>(&out);
     std::memset(bytes + offsetof(palpate_tool_response, force), 0, PALPATE_ROW(force, reference_point) * sizeof(double));

@@ -218,7 +218,7 @@ TEST(contract, what_is_fetched_is_the_cell_that_a_tick_there_enters) {
     int inside = 0, outside = 0;
     for (int i = 0; i < 2000; ++i) {
         for (double& x : r.q) x = 10.0 * r.unit(r.engine) - 2.0;
-        if (i % 100 == 0) r.q[i / 100 % 3] = i % 200 == 0 ? std::nan("") : 1e9;
+        if (i % 100 == 0) r.q[static_cast<std::size_t>(i / 100 % 3)] = i % 200 == 0 ? std::nan("") : 1e9;
         distance_cell distance;
         amplitude_cell amplitudes;
         forget(distance);

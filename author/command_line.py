@@ -356,11 +356,11 @@ def certify(
     field: Annotated[Path, typer.Argument(metavar="FIELD", help=".rfield")],
     scene: Annotated[
         Path | None,
-        typer.Option("--scene", help="scene file whose [device] it is; options replace its numbers"),
+        typer.Option("--scene", help="scene file with a table of the device; options replace its numbers"),
     ] = None,
     device: Annotated[
         str | None,
-        typer.Option("--device", help='such as "omega.3"; of a [device] only the rate then counts'),
+        typer.Option("--device", help='such as "omega.3"; of the scene, only the rate then counts'),
     ] = None,
     rate: Annotated[float | None, typer.Option("--rate", help="Hz, of the servo loop")] = None,
     damping: Annotated[float | None, typer.Option("--damping", help="N s/m, of the device")] = None,

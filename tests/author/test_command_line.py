@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import typer
 
 from palpate.author.command_line import app, main
 from palpate.author.errors import InputError, InputProblem, PalpateError, ToleranceNotMet, exit_code
@@ -239,3 +240,14 @@ def test_only_commands_that_work_are_registered() -> None:
     planned |= {"view", "inspect", "replay", "bench", "doctor", "schema"}
     assert names <= planned
     assert {"plan", "author", "press", "cook", "validate", "inspect", "bench", "doctor"} <= names
+
+
+def test_no_help_text_holds_brackets_which_the_terminal_would_take_for_markup():
+    told = [
+        (command.name, parameter.help)
+        for command in typer.main.get_command(app).commands.values()  # type: ignore[attr-defined]
+        for parameter in command.params
+        if getattr(parameter, "help", None)
+    ]
+    assert len(told) > 30
+    assert [row for row in told if "[" in row[1]] == []

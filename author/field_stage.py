@@ -44,7 +44,7 @@ GEOMETRY_SPACINGS = (2e-3, 1.5e-3)
 GEOMETRY_ERROR = 0.005
 """Of the least depth_max, at p99: 4 % of a force that goes with d^1.5 at 20 % of the depth; a hundredth has that."""
 SPACING_IN_DEPTHS = 0.5
-"""Coarsest geometry over the least depth_max; with more, a family from 2 mm on missed its 1 % (curvature)."""
+"""Coarsest geometry over the least depth_max; with 2 mm a family from 2.4 mm of depth on missed its 1 % (curvature)."""
 AMPLITUDE_SPACINGS = (5e-3, 4e-3, 3e-3)
 """m; the first whose lattice loses at most REPRESENTATION_ERROR is taken, or the one that loses least."""
 REPRESENTATION_ERROR = 0.007

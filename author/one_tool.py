@@ -67,7 +67,7 @@ def asset_geometry(scene: Scene, tool: Tool, organ: OrganGeometry, folder: Path)
         spacing, error = geometry.signed_distance.spacing, geometry.error_p99
         what = (
             f"presses {1e3 * shallowest:.1f} mm deep, for which this asset's contact geometry is too coarse: every "
-            f"{1e3 * spacing:.1f} mm, off by up to {1e6 * error:.0f} um"
+            f"{1e3 * spacing:.1f} mm, off by {1e6 * error:.0f} um at the 99th percentile"
         )
         raise InputError(InputProblem(str(interface), "--tool", tool.name, what, everything))
     return geometry

@@ -28,7 +28,13 @@ __all__ = ["OrganSurface", "SurfacePart", "SurfaceReport", "load_surface", "repa
 FACET_ANGLE = 2.2
 """Degrees between neighbouring triangles, the median over an organ: a tool feels larger ones as facets."""
 EDGE_MIN = 1.5e-3
-"""m; no organ is remeshed to shorter edges."""
+"""m; no organ is remeshed to shorter edges.  Where its radius is below some 22 mm, facets are left that are felt."""
+EDGES_ALONG = 20
+"""Edges along the longest side, at least, if they are not shorter than EDGE_MIN."""
+TRIANGLES_MAX = 150_000
+"""Of a surface that is made finer for its facets: a large, strongly curved one keeps longer edges."""
+VOLUME_LOST = 0.1
+"""Share of the volume that remeshing may lose or add."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +47,7 @@ class SurfaceReport:
         flipped: the input's normals pointed inward.
         wrapped: alpha wrapped.
         remeshed: remeshed to even edges, and smoothed.
-        edge: m, their length; 0 where it was not remeshed.
+        edge: m, the length that their edges were given; 0 where it was not remeshed.
         opening_radius: opened with this radius after wrapping; 0: not opened.
         dropped: (volume, longest side) of each separate piece that was left out beside the main solid.
         volume, area, extent: of the result.
@@ -108,7 +114,8 @@ def repair_surface(
     Args:
         mode: "auto" wraps what is not one closed solid, and remeshes and smooths what was wrapped or is
             meshed unevenly or coarsely; "wrap" always wraps; "none" takes a closed surface as it is.
-        edge: m, length of the result's edges, less on an organ so curved that they would make it faceted.
+        edge: m, length of the result's edges where it is remeshed; less on an organ so small or so curved that they
+            would make it faceted.
         alpha: m, gaps narrower than about twice this are bridged; default 2 % of the longest side, at
             least 4 mm.  Measured on the anatomical liver: at 2 % the wrap is 2.8 mm from the input at most, at
             3 % 4.4 mm in a third of the time.
@@ -117,7 +124,7 @@ def repair_surface(
         smoothing_limit: m, how far smoothing may move a vertex; on an organ that gets shorter edges, twice.
 
     Raises:
-        SurfaceError: open with mode "none", not a solid, unknown mode.
+        SurfaceError: open with mode "none", not a solid, too small or thin to be remeshed, unknown mode.
     """
     if mode not in ("auto", "wrap", "none"):
         raise SurfaceError(f"unknown repair {mode!r}", "organ.repair", "auto, wrap or none")
@@ -141,23 +148,28 @@ def repair_surface(
             spacing = min(0.5 * edge, opening_radius, size / 100)
             vertices, triangles = opened(vertices, triangles, opening_radius, spacing)
     vertices, triangles, dropped = _main_solid(vertices, triangles)
-    passes, smoothing = 0, "none"
+    passes, smoothing, asked = 0, "none", edge
     remesh = wrap or (mode != "none" and not _even(vertices, triangles, edge))
     if remesh:
-        vertices, triangles, passes = _even_and_smooth(
-            vertices, triangles, edge, smoothing_limit, 10 if wrap else 0
-        )
-        shorter = edge * FACET_ANGLE / max(np.median(dihedral_angles(vertices, triangles)), 1e-9)
-        limit = smoothing_limit
-        if shorter < edge:  # ten passes leave nothing of facets two edges long
-            edge, limit = max(float(shorter), EDGE_MIN), 2.0 * smoothing_limit
-            vertices, triangles, more = _even_and_smooth(vertices, triangles, edge, smoothing_limit, 10)
-            passes += more
+        given, limit = (vertices, triangles), smoothing_limit
+        edge = min(edge, max(size / EDGES_ALONG, EDGE_MIN))
+        vertices, triangles, passes = _even_and_smooth(*given, edge, limit, 10 if wrap else 0)
+        finer = _finer(vertices, triangles, edge)
+        if (
+            finer < edge and wrap
+        ):  # its bumps are gone by now; ten passes leave nothing of facets two edges long
+            edge, limit, before = finer, 2.0 * smoothing_limit, passes
+            vertices, triangles, passes = _even_and_smooth(vertices, triangles, edge, smoothing_limit, 10)
+            passes += before
+        elif finer < edge:
+            edge = finer
+            vertices, triangles, passes = _even_and_smooth(*given, edge, limit, 0)
+        _refuse_lost_volume(solid_volume(*given), solid_volume(vertices, triangles))
         smoothing = f"Taubin 0.5/-0.53, {passes} passes, vertices move at most {1e3 * limit:.3g} mm"
     vertices = np.ascontiguousarray(vertices, float)
     triangles = np.ascontiguousarray(triangles, np.int32)
     near_p95, near_max = _distance_to_input(vertices, triangles, soup)
-    outside_share, outside = _input_outside(vertices, triangles, soup, 0.5 * edge)
+    outside_share, outside = _input_outside(vertices, triangles, soup, 0.5 * asked)
     angles = dihedral_angles(vertices, triangles)
     report = SurfaceReport(
         part_names=names,
@@ -205,10 +217,29 @@ def _even(vertices: np.ndarray, triangles: np.ndarray, edge: float) -> bool:
     return bool(length.max() < 2.0 * edge and length.mean() > 0.4 * edge and thin > 0.2)
 
 
-def _even_and_smooth(vertices, triangles, edge: float, limit: float, passes_min: int):
+def _even_and_smooth(
+    vertices: np.ndarray, triangles: np.ndarray, edge: float, limit: float, passes_min: int
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """(V, 3) m, (F, 3), and the passes of smoothing."""
     vertices, triangles = meshlab.remeshed(vertices, triangles, edge)
     vertices, passes = faired(vertices, triangles, limit, passes_min=passes_min)
     return vertices, triangles, passes
+
+
+def _finer(vertices: np.ndarray, triangles: np.ndarray, edge: float) -> float:
+    """m; edges at which half of the triangles would meet below FACET_ANGLE, as far as they may be so fine."""
+    least = np.sqrt(_areas(vertices, triangles).sum() / (0.25 * np.sqrt(3.0) * TRIANGLES_MAX))
+    angle = float(np.median(dihedral_angles(vertices, triangles)))
+    return max(edge * FACET_ANGLE / max(angle, 1e-9), EDGE_MIN, float(least))
+
+
+def _refuse_lost_volume(before: float, after: float) -> None:
+    if abs(after / before - 1.0) > VOLUME_LOST:
+        raise SurfaceError(
+            f"remeshing left {100 * after / before:.0f} % of its volume: it is too small or too thin",
+            "surface repair",
+            'a solid that is thicker than a few millimetres, or an even closed surface with repair = "none"',
+        )
 
 
 def _main_solid(vertices: np.ndarray, triangles: np.ndarray):

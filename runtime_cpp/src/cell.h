@@ -27,7 +27,7 @@ inline void forget(std::uint32_t cell[4]) noexcept {
 // Of the distance: A, B, C along x, then y (9 of them), of the four counts along z that begin with tap 0.
 struct distance_cell {
     std::uint32_t cell[4];  // of tap 0
-    double corner[4];       // the same numbers: a point at u is in the cell while 0 <= u - corner < 1; the first is NaN while nothing is kept
+    double corner[4];       // the same numbers: a point at u is in the cell while 0 <= u - corner < 1; infinite while nothing is kept, whence no point is in it
     double along_z[9][4];
     bool entered;           // set when it is made, taken back by who looks ahead
 };
@@ -47,7 +47,7 @@ struct amplitude_cell {
 template <class Cell>
 void forget(Cell& kept) noexcept {
     forget(kept.cell);
-    for (double& x : kept.corner) x = std::numeric_limits<double>::quiet_NaN();
+    for (double& x : kept.corner) x = std::numeric_limits<double>::infinity();  // NaN would raise a flag
 }
 
 // The cells that the caches were last asked to get (ahead.h).

@@ -27,7 +27,11 @@ namespace {
 #define PALPATE_ROW(from, to) static_cast<int>((offsetof(palpate_tool_response, to) - offsetof(palpate_tool_response, from)) / sizeof(double))
 static_assert(PALPATE_ROW(force, reference_point) == 6 && PALPATE_ROW(normal, stiffness) == 5 && PALPATE_ROW(stiffness, work_in) == 6 &&
                   PALPATE_ROW(work_in, way_cosine) * sizeof(double) == sizeof(accounts),
-              "rows that nothing interrupts; the accounts in their order");
+              "rows that nothing interrupts");
+#define PALPATE_IN_PLACE(m) (offsetof(accounts, m) == PALPATE_ROW(work_in, m) * sizeof(double))
+static_assert(PALPATE_IN_PLACE(work_in) && PALPATE_IN_PLACE(dissipated_friction) && PALPATE_IN_PLACE(dissipated_rule) &&
+                  PALPATE_IN_PLACE(hold_leak) && PALPATE_IN_PLACE(organ_work) && PALPATE_IN_PLACE(injected),
+              "the accounts in their order");
 
 // The response part of *out for a session that sends no force.  The depth, which is among it, is written later.
 // In short rows: gcc clears these in pairs, 88 bytes by a string instruction.
@@ -216,7 +220,11 @@ PALPATE_APART std::uint32_t free_tick(palpate_session& s, const palpate_tool_sta
         x = q[0], y = q[1], z = q[2];
     }
     location at;
-    if (!PALPATE_EXPECTED(field.contract->distance(field, x, y, z, s.under_distance, &at.depth))) return any_tick(s, state, nullptr, out);
+    if (!PALPATE_EXPECTED(field.contract->distance(field, x, y, z, s.under_distance, &at.depth))) {
+        if (input_fault(state) != 0) return any_tick(s, state, nullptr, out);
+        locate_unknown(field, x, y, z, at);
+        return any_tick(s, state, &at, out);
+    }
     const double step[3] = {x - s.q[0], y - s.q[1], z - s.q[2]};
     const double length_squared = dot(step, step), reach = s.config.speed_max * state.dt, spacing = field.geometry.spacing;
     const bool jump = s.config.speed_max > 0.0 && length_squared > reach * reach;

@@ -243,11 +243,10 @@ def test_only_commands_that_work_are_registered() -> None:
 
 
 def test_no_help_text_holds_brackets_which_the_terminal_would_take_for_markup():
-    told = [
-        (command.name, parameter.help)
-        for command in typer.main.get_command(app).commands.values()  # type: ignore[attr-defined]
-        for parameter in command.params
-        if getattr(parameter, "help", None)
+    commands = typer.main.get_command(app).commands.values()  # type: ignore[attr-defined]
+    told = [(command.name, command.help or "") for command in commands]
+    told += [
+        (command.name, getattr(one, "help", None) or "") for command in commands for one in command.params
     ]
     assert len(told) > 30
     assert [row for row in told if "[" in row[1]] == []

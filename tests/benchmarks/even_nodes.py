@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Print what evenly spread nodes would cost an authored asset around one place, such as a nodule.
 
-    python tests/benchmarks/even_nodes.py SCENE ASSET --around X,Y,Z,R [--counts 80,120,160,240] [--tool NAME]
+    python tests/benchmarks/even_nodes.py SCENE ASSET --around=X,Y,Z,R [--counts 80,120,160,240] [--tool NAME]
 
 For each count the whole reach would get so many nodes, each farthest from those before; those within R + MARGIN of the
 place are pressed, elsewhere the asset's own nodes stay.  Judged by the asset's held-out presses within R
@@ -52,6 +52,8 @@ def main() -> None:
     judges = [
         press for press in held_out(given.asset, name) if distance([press["contact_point"]])[0] <= radius
     ]
+    if not judges:
+        parser.error(f"no held-out press within {radius} m: palpate validate ASSET --within makes them")
     places = authored.samples.points[authored.samples.allowed]
     order = places[farthest_of(places, counts[-1])]
     near = distance(order) <= radius + MARGIN

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from palpate.fem_offline import surface
 from palpate.fem_offline.errors import SurfaceError
 from palpate.fem_offline.smoothing import solid_volume
 from palpate.fem_offline.surface import FACET_ANGLE, SurfacePart, load_surface, repair_surface
@@ -155,3 +156,28 @@ def test_a_small_organ_gets_shorter_edges_so_that_a_tool_feels_no_facets(as_part
     assert report.remeshed
     assert report.edge == 3.5e-3 if not shorter else 1.5e-3 <= report.edge < 3e-3
     assert report.dihedral_p50 < 1.1 * FACET_ANGLE
+
+
+def test_a_closed_surface_is_made_finer_from_itself(as_part):
+    ball = as_part(trimesh.creation.icosphere(subdivisions=5, radius=0.02), "ball")
+    uneven = SurfacePart("ball", ball.vertices * [1.0, 1.0, 1.2], ball.triangles)
+    report = repair_surface([uneven]).report
+    assert report.remeshed and not report.wrapped and report.edge < 2e-3
+    assert report.distance_to_input < 0.05e-3
+    assert report.volume == pytest.approx(1.2 * (2 / 3) ** 3 * BALL_VOLUME, rel=0.01)
+
+
+def test_edges_are_no_shorter_than_asked_and_large_curved_organs_stay_affordable(as_part, monkeypatch):
+    uneven = as_part(trimesh.creation.uv_sphere(radius=0.03, count=(96, 96)), "ball")
+    assert repair_surface([uneven], edge=1.2e-3).report.edge == 1.2e-3
+    monkeypatch.setattr(surface, "TRIANGLES_MAX", 4_000)
+    assert len(repair_surface([uneven]).triangles) < 1.2 * 4_000
+
+
+def test_an_organ_of_a_centimetre_keeps_its_volume_and_a_crumb_is_refused(as_part):
+    ball = as_part(trimesh.creation.icosphere(subdivisions=5, radius=1.0), "ball").vertices * [1.0, 1.0, 1.2]
+    triangles = trimesh.creation.icosphere(subdivisions=5).faces
+    report = repair_surface([SurfacePart("small", 0.005 * ball, triangles)]).report
+    assert report.edge == 1.5e-3 and report.volume == pytest.approx(1.2 * BALL_VOLUME / 6**3, rel=0.1)
+    with pytest.raises(SurfaceError, match="too small or too thin"):
+        repair_surface([SurfacePart("crumb", 0.0012 * ball, triangles)])

@@ -54,6 +54,12 @@ long executed_fetches(const Call& call) {
     return state.fetches;
 }
 
+// Whether one that is certainly executed is counted.
+inline bool can_step() {
+    static int somewhere = 0;
+    return executed_fetches([] { asm volatile("prefetcht0 %0" : : "m"(somewhere)); }) == 1;
+}
+
 }  // namespace palpate_test
 
 #endif

@@ -29,7 +29,7 @@ FACET_ANGLE = 2.2
 """Degrees between neighbouring triangles, the median over an organ: a tool feels larger ones as facets."""
 EDGE_MIN = 1.5e-3
 """m; no organ is remeshed to shorter edges.  Where its radius is below some 22 mm, facets are left that are felt."""
-EDGES_ALONG = 20
+EDGES_ALONG = 10
 """Edges along the longest side, at least, if they are not shorter than EDGE_MIN."""
 TRIANGLES_MAX = 150_000
 """Of a surface that is made finer for its facets: a large, strongly curved one keeps longer edges."""

@@ -186,7 +186,7 @@ def mesh_organ(scene: Scene, store: Store) -> OrganMesh:
             "file": hashlib.sha256(table.surface.read_bytes()).hexdigest(),
             "units": table.units or "m",
             "repair": table.repair,
-            "version": 5,
+            "version": 6,
         }
     )
     paint = read_paint(scene)

@@ -33,6 +33,8 @@ EDGES_ALONG = 10
 """Edges along the longest side, at least, if they are not shorter than EDGE_MIN."""
 TRIANGLES_MAX = 150_000
 """Of a surface that is made finer for its facets: a large, strongly curved one keeps longer edges."""
+WORTH_IT = 0.9
+"""Share of the edges; a surface is not made finer for less."""
 VOLUME_LOST = 0.1
 """Share of the volume that remeshing may lose or add."""
 
@@ -227,10 +229,14 @@ def _even_and_smooth(
 
 
 def _finer(vertices: np.ndarray, triangles: np.ndarray, edge: float) -> float:
-    """m; edges at which half of the triangles would meet below FACET_ANGLE, as far as they may be so fine."""
+    """m; edges at which half of the triangles would meet below FACET_ANGLE, as far as they may be so fine.
+
+    `edge` where it would be hardly more.
+    """
     least = np.sqrt(_areas(vertices, triangles).sum() / (0.25 * np.sqrt(3.0) * TRIANGLES_MAX))
     angle = float(np.median(dihedral_angles(vertices, triangles)))
-    return max(edge * FACET_ANGLE / max(angle, 1e-9), EDGE_MIN, float(least))
+    finer = max(edge * FACET_ANGLE / max(angle, 1e-9), EDGE_MIN, float(least))
+    return finer if finer < WORTH_IT * edge else edge
 
 
 def _refuse_lost_volume(before: float, after: float) -> None:

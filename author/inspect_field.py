@@ -32,7 +32,7 @@ def inspect_field(path: Path) -> Answer:
 
 
 def _rfield(path: Path) -> Answer:
-    from palpate.fields.rfield_layout import SECTIONS, section_element_size
+    from palpate.fields.rfield_layout import LAYERS, SECTIONS, section_element_size
     from palpate.fields.rfield_read import read_header
     from palpate.runtime import Field
 
@@ -42,6 +42,9 @@ def _rfield(path: Path) -> Answer:
         {"name": section.name, "elements": int(count), "bytes": int(count) * section_element_size(section)}
         for section, count in zip(SECTIONS, header["section_elements"], strict=True)
     ]
+    for name, size in zip(LAYERS, header["layer_size"], strict=False):
+        if size:
+            sections.append({"name": name, "elements": 1, "bytes": int(size)})
     result = {
         "path": str(path),
         "version": int(header["version"]),

@@ -28,6 +28,8 @@ from palpate.fields.rfield_layout import (
     CHANNEL_LIMIT,
     HEADER,
     HEADER_DTYPE,
+    LAYER_LIMIT,
+    LAYERS,
     LAYOUT_HASH,
     MAGIC,
     SECTION_ALIGNMENT,
@@ -145,19 +147,25 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
         values[f"{kind}_depth_end"] = curves.depth_end
 
     header = np.zeros((), dtype=HEADER_DTYPE)
+    layers = [(name, field.layers[name]) for name in LAYERS if name in field.layers]
     offset, offsets, digest = HEADER_DTYPE.itemsize, [], hashlib.sha256()
-    for section, payload in zip(SECTIONS, payloads, strict=True):
+    for name, payload in [*zip([s.name for s in SECTIONS], payloads, strict=True), *layers]:
         offset += -offset % SECTION_ALIGNMENT
         offsets.append(offset)
         offset += len(payload)
-        if section.name != "provenance":
+        if name != "provenance":
             digest.update(payload)
+    layer_table = np.zeros((LAYER_LIMIT, 2), dtype="<u8")
+    for (name, payload), start in zip(layers, offsets[len(SECTIONS) :], strict=True):
+        layer_table[LAYERS.index(name)] = start, len(payload)
     values |= {
         "field_hash": digest.hexdigest().encode(),
         "file_size": offset,
-        "section_offset": offsets,
+        "section_offset": offsets[: len(SECTIONS)],
         "section_elements": [len(p) // section_element_size(s) for s, p in zip(SECTIONS, payloads, strict=True)],
         "section_element_size": [section_element_size(s) for s in SECTIONS],
+        "layer_offset": layer_table[:, 0],
+        "layer_size": layer_table[:, 1],
     }  # fmt: skip
     for entry in HEADER:
         if entry.name in values:
@@ -165,7 +173,7 @@ def cook(field: ResponseField, tilted: Sequence[tuple[float, ResponseField]] = (
 
     data = bytearray(offset)
     data[: HEADER_DTYPE.itemsize] = header.tobytes()
-    for start, payload in zip(offsets, payloads, strict=True):
+    for start, payload in zip(offsets, [*payloads, *(payload for _, payload in layers)], strict=True):
         data[start : start + len(payload)] = payload
     header["checksum"] = zlib.crc32(data)  # still zero in `data`
     data[: HEADER_DTYPE.itemsize] = header.tobytes()
@@ -261,6 +269,9 @@ def _check(field: ResponseField) -> None:
     if field.amplitudes.channel_count != channels or not 0 < channels <= CHANNEL_LIMIT:
         raise CookError("amplitudes", field.amplitudes.channel_count, "channels",
                         f"one for each of the {channels} curves, 1 to {CHANNEL_LIMIT}")  # fmt: skip
+    unknown = sorted(set(field.layers) - set(LAYERS)) + [k for k, v in field.layers.items() if not v]
+    if unknown:
+        raise CookError("layers", ", ".join(unknown), "", f"of {', '.join(LAYERS)}, with bytes in them")
     if field.energy_curves.curve_count == 0:
         raise CookError("energy_curves", 0, "curves", "at least one")
     for name, lattice in (("geometry", field.geometry.signed_distance), ("amplitudes", field.amplitudes)):

@@ -199,6 +199,8 @@ class ResponseField:
             between them); empty where it is not.
         ways: further ways of touching, by rising tilt, where `tool` is upright and was pressed tilted as well; empty
             where one way holds.  A node holds the mean of two presses that lean opposite ways.
+        layers: what the file carries for effects beyond response and friction, by name (`rfield_layout.LAYERS`): the
+            bytes that the effect's own layout says.
         band: (2,) m; the part of the geometry's band that `tool` needs, which is what its file holds; None for all.
     """
 
@@ -215,6 +217,7 @@ class ResponseField:
     family: tuple[FamilyMember, ...] = ()
     ways: tuple[TiltedWay, ...] = ()
     band: np.ndarray | None = None
+    layers: dict[str, bytes] = field(default_factory=dict)
 
     @property
     def own_band(self) -> np.ndarray:

@@ -5,8 +5,9 @@
 File = header | sections, little-endian, each section aligned to 64 bytes, zero bytes in between, nothing after.
 The header begins with magic, version and the layout's hash, and ends with the section table (one row for each
 entry of `SECTIONS`, in order), followed by what versions have added.  A field with several ways of touching (tilts)
-has one block of `channel_stride` amplitudes for each, on the same curves and the same geometry.  The checksum is CRC-32
-(zlib) of the whole file with the checksum itself taken as zero.
+has one block of `channel_stride` amplitudes for each, on the same curves and the same geometry.  After the sections lie
+the layers that the scene's effects need, each one block of bytes with a layout of its own (fields/<layer>_layout.py).
+The checksum is CRC-32 (zlib) of the whole file with the checksum itself taken as zero.
 
 `python -m palpate.fields.rfield_layout` prints `runtime_cpp/src/rfield_layout.h`.  A changed list needs a new VERSION,
 the old one in OLDER_VERSIONS where it is still read, and a golden file (tests/golden/regenerate.py).
@@ -23,6 +24,8 @@ __all__ = [
     "CHANNEL_LIMIT",
     "HEADER",
     "HEADER_DTYPE",
+    "LAYERS",
+    "LAYER_LIMIT",
     "LAYOUT_HASH",
     "MAGIC",
     "OLDER_VERSIONS",
@@ -36,8 +39,8 @@ __all__ = [
 ]
 
 MAGIC = b"PALPRFLD"
-VERSION = 2
-OLDER_VERSIONS = {1: (0xC7F09AB8C07D2981, 680)}
+VERSION = 3
+OLDER_VERSIONS = {1: (0xC7F09AB8C07D2981, 680), 2: (0x7F38E7C7022E4F4A, 752)}
 """Layout hash and header size of versions whose header is the beginning of this one's: they are still read.  Entries
 that an old header lacks are zero; 0 ways means 1."""
 SECTION_ALIGNMENT = 64
@@ -46,6 +49,11 @@ CHANNEL_LIMIT = 16
 """Largest number of amplitude channels of a way, padding included; the tick's stack arrays have this size."""
 WAY_LIMIT = 4
 """Largest number of ways of touching."""
+
+LAYERS = ("texture", "transient", "deformation", "rigid")
+"""Effects beyond response and friction that a file may carry, by their row in the header's table of layers."""
+LAYER_LIMIT = 8
+"""Rows of that table."""
 
 _NUMPY = {"char": "S1", "u32": "<u4", "i32": "<i4", "u64": "<u8", "f64": "<f8", "i16": "<i2", "f32": "<f4"}
 _CPP = {"char": "char", "u32": "std::uint32_t", "i32": "std::int32_t", "u64": "std::uint64_t",
@@ -145,6 +153,8 @@ HEADER = (
         "of tool axis and outward normal, falling from way to way; then zeros",
     ),
     Entry("way_offset", "f64", WAY_LIMIT, "m", "rho of each way; then zeros"),
+    Entry("layer_offset", "u64", LAYER_LIMIT, "byte", "0 where there is none; since version 3, as all below"),
+    Entry("layer_size", "u64", LAYER_LIMIT, "byte", "0 where there is none"),
 )
 
 
@@ -192,6 +202,7 @@ def cpp_header() -> str:
         f"constexpr std::uint64_t rfield_section_alignment = {SECTION_ALIGNMENT};",
         f"constexpr std::uint32_t rfield_channel_limit = {CHANNEL_LIMIT};",
         f"constexpr std::uint32_t rfield_section_count = {len(SECTIONS)};",
+        f"constexpr std::uint32_t rfield_layer_limit = {LAYER_LIMIT};",
         "",
         "// Older versions that are read: their header is the beginning of this one.",
         "struct rfield_older_version {",
@@ -207,6 +218,9 @@ def cpp_header() -> str:
     ]
     for i, s in enumerate(SECTIONS):
         lines.append(f"    section_{s.name} = {i},  // ({s.shape}) {s.kind}: {s.meaning}")
+    lines += ["};", "", "enum rfield_layer : std::uint32_t {"]
+    lines += [f"    layer_{name} = {i}," for i, name in enumerate(LAYERS)]
+    lines += [f"    layer_count = {len(LAYERS)}"]
     lines += ["};", "", "constexpr std::uint32_t rfield_element_size[rfield_section_count] = {"]
     lines.append("    " + ", ".join(str(section_element_size(s)) for s in SECTIONS) + "};")
     lines += ["", "struct rfield_header {"]

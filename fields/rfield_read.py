@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import os
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +25,15 @@ from palpate.fields.response_field import (
     ResponseNodes,
     ToolReference,
 )
-from palpate.fields.rfield_layout import HEADER_DTYPE, LAYOUT_HASH, MAGIC, OLDER_VERSIONS, SECTIONS, VERSION
+from palpate.fields.rfield_layout import (
+    HEADER_DTYPE,
+    LAYERS,
+    LAYOUT_HASH,
+    MAGIC,
+    OLDER_VERSIONS,
+    SECTIONS,
+    VERSION,
+)
 
 __all__ = ["RFieldError", "read_header", "read_rfield"]
 
@@ -104,4 +113,12 @@ def read_rfield(source: bytes | str | os.PathLike, way: int = 0) -> ResponseFiel
                            np.where(row_of == 0, -1, row_of).astype(np.int32), rows[..., :channels].copy()),
         depth_max=float(h["depth_max"]),
         provenance=json.loads(arrays["provenance"].tobytes().decode()),
+        layers={name: data[start : start + size] for name, start, size in _layers(h)},
     )  # fmt: skip
+
+
+def _layers(header: np.ndarray) -> Iterator[tuple[str, int, int]]:
+    """Name, first byte and bytes of each layer that is there."""
+    for i, name in enumerate(LAYERS):
+        if header["layer_size"][i]:
+            yield name, int(header["layer_offset"][i]), int(header["layer_size"][i])

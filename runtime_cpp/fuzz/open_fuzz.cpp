@@ -53,10 +53,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         rfield_header h;
         std::memcpy(&h, bytes.data(), sizeof h);
         std::memcpy(h.magic, rfield_magic, sizeof h.magic);
-        const bool older = h.version % 2 == 1;  // both layouts
-        h.version = older ? rfield_older_versions[0].version : rfield_version;
-        h.header_size = older ? rfield_older_versions[0].header_size : static_cast<std::uint32_t>(sizeof h);
-        h.layout_hash = older ? rfield_older_versions[0].layout_hash : rfield_layout_hash;
+        constexpr std::uint32_t older_count = sizeof rfield_older_versions / sizeof *rfield_older_versions;
+        const std::uint32_t layout = h.version % (older_count + 1);  // every one, 0 for the newest
+        const rfield_older_version newest{rfield_version, rfield_layout_hash, static_cast<std::uint32_t>(sizeof h)};
+        const rfield_older_version& one = layout == 0 ? newest : rfield_older_versions[layout - 1];
+        h.version = one.version;
+        h.header_size = one.header_size;
+        h.layout_hash = one.layout_hash;
         h.section_count = rfield_section_count;
         h.file_size = size;
         h.checksum = 0;

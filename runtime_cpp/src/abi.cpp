@@ -116,6 +116,8 @@ const char* palpate_status_text(palpate_status status) noexcept {
         case PALPATE_BAD_INDEX: return "A block index in the file points outside the stored blocks.";
         case PALPATE_NOT_FINITE: return "A number in the file is not finite or beyond any physical size.";
         case PALPATE_BAD_CURVE: return "A depth curve in the file does not start at zero or is not continuous.";
+        case PALPATE_LAYER_MISSING: return "The file has an effect that this library was built without.";
+        case PALPATE_BAD_LAYER: return "An effect in the file contradicts itself.";
     }
     return "This status is unknown to this version.";
 }

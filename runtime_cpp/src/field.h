@@ -10,6 +10,7 @@
 #include "contract.h"
 #include "depth_curves.h"
 #include "lattice.h"
+#include "layers/layers.h"
 #include "rfield_layout.h"
 
 // The public name palpate_field; everything in it is constant after opening.
@@ -34,6 +35,8 @@ struct palpate_field {
 
     double tool_offset;  // m; the largest of the ways
     double depth_max;    // m
+
+    palpate::layer_bytes layer[palpate::layer_count];  // by rfield_layer
 
     palpate::rfield_header header;  // as this version would have written it
     const char* provenance;

@@ -73,6 +73,7 @@ bool prove(const unsigned char* data, std::size_t size, palpate_field& field, re
     const stored_curves kinds[3] = {{h.energy_depth_end, h.energy_intervals, h.energy_curve_count, energy},
                                     {h.stiffness_depth_end, h.stiffness_intervals, h.stiffness_curve_count, stiffness},
                                     {h.friction_depth_end, h.friction_intervals, h.friction_curve_count, friction}};
+    if (!open_layers(data, h, field.layer, why)) return false;
     field.curve_rows = static_cast<double*>(std::malloc(static_cast<std::size_t>(curve_numbers(kinds)) * sizeof(double)));
     if (field.curve_rows == nullptr) return refuse(why, PALPATE_OUT_OF_MEMORY, "There is no memory for the curves.");
     set_curves(field.curves, kinds, field.curve_rows);

@@ -10,12 +10,13 @@
 namespace palpate {
 
 constexpr char rfield_magic[9] = "PALPRFLD";
-constexpr std::uint32_t rfield_version = 2;
-constexpr std::uint64_t rfield_layout_hash = 0x7f38e7c7022e4f4au;
+constexpr std::uint32_t rfield_version = 3;
+constexpr std::uint64_t rfield_layout_hash = 0x92ca1d89caa684feu;
 constexpr std::uint32_t rfield_way_limit = 4;
 constexpr std::uint64_t rfield_section_alignment = 64;
 constexpr std::uint32_t rfield_channel_limit = 16;
 constexpr std::uint32_t rfield_section_count = 8;
+constexpr std::uint32_t rfield_layer_limit = 8;
 
 // Older versions that are read: their header is the beginning of this one.
 struct rfield_older_version {
@@ -25,6 +26,7 @@ struct rfield_older_version {
 };
 constexpr rfield_older_version rfield_older_versions[] = {
     {1, 0xc7f09ab8c07d2981u, 680},
+    {2, 0x7f38e7c7022e4f4au, 752},
 };
 
 enum rfield_section : std::uint32_t {
@@ -36,6 +38,14 @@ enum rfield_section : std::uint32_t {
     section_stiffness_curves = 5,  // (stiffness_intervals + 1, stiffness_curve_count, 4) f64: the same, N/m
     section_friction_curves = 6,  // (friction_intervals + 1, friction_curve_count, 4) f64: the same, dimensionless
     section_provenance = 7,  // (bytes) char: JSON text, UTF-8, keys sorted
+};
+
+enum rfield_layer : std::uint32_t {
+    layer_texture = 0,
+    layer_transient = 1,
+    layer_deformation = 2,
+    layer_rigid = 3,
+    layer_count = 4
 };
 
 constexpr std::uint32_t rfield_element_size[rfield_section_count] = {
@@ -87,6 +97,8 @@ struct rfield_header {
     std::uint32_t reserved_2;  // zero
     double way_cosine[4];  // of tool axis and outward normal, falling from way to way; then zeros
     double way_offset[4];  // (m) rho of each way; then zeros
+    std::uint64_t layer_offset[8];  // (byte) 0 where there is none; since version 3, as all below
+    std::uint64_t layer_size[8];  // (byte) 0 where there is none
 };
 
 static_assert(offsetof(rfield_header, magic) == 0, "rfield layout");
@@ -134,7 +146,9 @@ static_assert(offsetof(rfield_header, way_count) == 680, "rfield layout");
 static_assert(offsetof(rfield_header, reserved_2) == 684, "rfield layout");
 static_assert(offsetof(rfield_header, way_cosine) == 688, "rfield layout");
 static_assert(offsetof(rfield_header, way_offset) == 720, "rfield layout");
-static_assert(sizeof(rfield_header) == 752, "rfield layout");
+static_assert(offsetof(rfield_header, layer_offset) == 752, "rfield layout");
+static_assert(offsetof(rfield_header, layer_size) == 816, "rfield layout");
+static_assert(sizeof(rfield_header) == 880, "rfield layout");
 
 }  // namespace palpate
 

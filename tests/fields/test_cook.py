@@ -154,3 +154,21 @@ def test_an_organ_without_friction_cooks_without_its_curves():
     bare = dataclasses.replace(field, stiffness_curves=none, friction_curves=none, amplitudes=lattice)
     header = read_header(cook(bare))
     assert header["channel_stride"] == 4 and header["stiffness_curve_count"] == 0
+
+
+def test_layers_lie_behind_the_sections_and_come_back(field, data):
+    carried = {"deformation": b"four", "texture": bytes(range(70))}
+    layered = cook(dataclasses.replace(field, layers=carried))
+    assert read_rfield(layered).layers == carried
+    assert read_rfield(data).layers == {}
+    header = read_header(layered)
+    placed = header["layer_offset"] > 0
+    assert np.all(header["layer_offset"] % SECTION_ALIGNMENT == 0)
+    assert header["layer_offset"][placed].min() >= (header["section_offset"] + header["section_elements"])[-1]
+    assert header["field_hash"] != read_header(data)["field_hash"]
+
+
+@pytest.mark.parametrize("layers", [{"smell": b"x"}, {"texture": b""}])
+def test_a_layer_without_a_name_or_bytes_is_refused(field, layers):
+    with pytest.raises(CookError, match="layers"):
+        cook(dataclasses.replace(field, layers=layers))

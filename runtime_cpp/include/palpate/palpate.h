@@ -80,7 +80,9 @@ typedef enum palpate_status {
     PALPATE_BAD_LAYOUT = 8,   /* sizes, counts or offsets contradict each other */
     PALPATE_BAD_INDEX = 9,    /* a block index points outside the stored blocks */
     PALPATE_NOT_FINITE = 10,  /* a number is not finite or beyond any physical size */
-    PALPATE_BAD_CURVE = 11    /* a depth curve does not start at zero or is not continuous */
+    PALPATE_BAD_CURVE = 11,   /* a depth curve does not start at zero or is not continuous */
+    PALPATE_LAYER_MISSING = 12, /* the file has an effect that this library was built without */
+    PALPATE_BAD_LAYER = 13    /* an effect in the file contradicts itself */
 } palpate_status;
 
 /* ---- library ------------------------------------------------------------------------------------------------- */

@@ -22,6 +22,7 @@ from palpate.fields.as_cooked import as_cooked, rounded_geometry
 from palpate.fields.band import tool_band
 from palpate.fields.build_field import build_field
 from palpate.fields.contact_geometry import contact_geometry
+from palpate.fields.knots import knots_by_error
 from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots, why_unusable
 from palpate.fields.response_field import ContactGeometry, ResponseField
 
@@ -138,10 +139,14 @@ def press_arrays(
     return (None if why else press), why or outcome.values["reason"]
 
 
-def knots_of(scene: Scene, tool: Tool) -> np.ndarray:
-    """(K,) m, depths of the node curves."""
-    count = scene.accuracy.knots if isinstance(scene.accuracy.knots, int) else 13
-    return uniform_knots(scene.depth_max(tool), count)
+def knots_of(scene: Scene, tool: Tool, presses: Sequence[PressArrays] | None = None) -> np.ndarray:
+    """(K,) m, depths of the node curves: as many as the scene says, else what `presses` need, or a usual number before
+    there are any.
+    """
+    depth_max = scene.depth_max(tool)
+    if isinstance(scene.accuracy.knots, int):
+        return uniform_knots(depth_max, scene.accuracy.knots)
+    return uniform_knots(depth_max) if presses is None else knots_by_error(presses, depth_max)
 
 
 def coarsest_field(build: Callable[[float], ResponseField]) -> ResponseField:
@@ -184,7 +189,7 @@ def field_of(
     if failures:
         provenance = {**provenance, "failed_presses": failures}
     reference = reference_of(tool.name, shape_of(scene, tool))
-    nodes = fit_nodes(usable, knots_of(scene, tool), reference.offset, geometry)
+    nodes = fit_nodes(usable, knots_of(scene, tool, usable), reference.offset, geometry)
     field = coarsest_field(
         lambda spacing: build_field(
             nodes,

@@ -17,7 +17,7 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.tool_stage import reference_of, shape_of
 from palpate.author.tool_work import ToolWork, ladder
-from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes
+from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots
 from palpate.fields.response_field import ContactGeometry, ResponseNodes, ToolReference
 
 __all__ = ["SharedPlaces", "mean_press"]
@@ -98,9 +98,13 @@ class SharedPlaces(ToolWork):
                 if all(press is not None for press in presses):
                     own.append(mean_press([press for press in found if press is not None]))
         nodes = []
+        members = [self._members[first] for first, *_ in self._groups]
+        count = max(  # groups are blended knot by knot
+            len(knots_of(*member, presses)) for member, presses in zip(members, usable, strict=True)
+        )
         for (first, *_), presses in zip(self._groups, usable, strict=True):
             reference = reference_of(self.tool.name, self._shapes[first])
-            knots = knots_of(*self._members[first])
+            knots = uniform_knots(self._depths[first], count)
             nodes.append((reference, fit_nodes(presses, knots, reference.offset, geometry)))
         return nodes
 

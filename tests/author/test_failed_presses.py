@@ -55,7 +55,9 @@ def made(tmp_path_factory):
     samples = SimpleNamespace(beyond=lambda mesh: ORGAN.reach)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(field_stage, "press_arrays", press_arrays)
-        patch.setattr(field_stage, "knots_of", lambda scene, tool: field_stage.uniform_knots(DEPTH, 13))
+        patch.setattr(
+            field_stage, "knots_of", lambda scene, tool, presses: field_stage.uniform_knots(DEPTH, 13)
+        )
         patch.setattr(field_stage, "shape_of", lambda scene, tool: BALL)
         patch.setattr(field_stage, "band_of_tool", lambda scene, tool: geometry_of(ORGAN).band)
         field, failures = field_stage.field_of(

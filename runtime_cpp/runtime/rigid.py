@@ -231,7 +231,7 @@ def add_wrenches(
     force_max: float = 0.0,
     torque_max: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray, bool]:
-    """One wrench of two (force (3,) N, torque (3,) N m about the same grip), within the device's limits; and whether limited."""
+    """One wrench of two (force (3,) N, torque (3,) N m, one grip), within the device's limits; and whether limited."""
     parts = [np.ascontiguousarray(x, dtype=np.float64) for x in (*first, *second)]
     force, torque = np.zeros(3), np.zeros(3)
     limited = _functions().palpate_rigid_add(

@@ -84,7 +84,7 @@ def two(mesh):
     [
         (lambda m: (m.vertices, m.faces[:-1]), "open"),
         (lambda m: (m.vertices * 1e-6, m.faces), "volume"),
-        (lambda m: (np.tile(m.vertices, (2, 1)) + np.repeat([[0, 0, 0], [0.3, 0.2, 0.1]], 8, axis=0), two(m)), "crosses"),
+        (lambda m: (np.tile(m.vertices, (2, 1)) + np.repeat([[0] * 3, [0.3, 0.2, 0.1]], 8, 0), two(m)), "crosses"),
     ],
 )  # fmt: skip
 def test_bad_meshes_are_refused_by_name(make, says):

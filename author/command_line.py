@@ -37,6 +37,7 @@ from palpate.author.arguments import (
 )
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.scan_command import detect, scan
 
 __all__ = ["app", "main"]
 
@@ -442,6 +443,10 @@ def doctor(as_json: Json = False) -> None:
         return examined()
 
     _end(work, as_json)
+
+
+app.command()(scan)
+app.command()(detect)
 
 
 @app.command(hidden=True)

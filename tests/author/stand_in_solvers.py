@@ -12,7 +12,7 @@ import signal
 import threading
 import time
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -130,6 +130,30 @@ def known_press(job: PressJob, R: float, factor: float, aside: float):
         "sticking_stiffness": k[:, None, None] * np.diag([1.0, 1.0, 0.0]),
     }
     return arrays, {"converged": True, "reason": "", "lateral": lateral, "seconds": 0.0, "estimate": 0.0}
+
+
+LUMP = (0.003, -0.002), 4e-3, 0.4
+"""Centre (m), width (m) and height of the rise of force above what `known_lump` hides."""
+
+
+def known_lump(mesh, job: PressJob, folder: str, progress=None):
+    """Presses of balls on the top of a block, z up, LUMP stiffer at one place; steepest at its width."""
+    (x0, y0), width, height = LUMP
+    R = dict(job.tool.parameters)["radius"]
+    x, y = job.contact_point[0] - x0, job.contact_point[1] - y0
+    bump = height * np.exp(-(x**2 + y**2) / (2 * width**2))
+    outcome = known_press(replace(job, contact_point=(0.0, 0.0, job.contact_point[2])), R, 1.0, 0.0)
+    arrays, values = outcome
+    energy, force = arrays["energy"], arrays["force_vector"]
+    force = (1 + bump) * np.array([0.0, 0.0, 1.0]) * force[:, 2:]
+    force[:, :2] = energy[:, None] * bump * np.array([x, y]) / width**2  # -dU/dx
+    stiffness = (1 + bump) * arrays["sticking_stiffness"]
+    found = {
+        "contact_point": np.array(job.contact_point),
+        "force_vector": force,
+        "energy": (1 + bump) * energy,
+    }
+    return arrays | found | {"sticking_stiffness": stiffness}, values
 
 
 class Inline:

@@ -237,10 +237,11 @@ def band_samples(
 
 
 def shared_or_zero(values: np.ndarray, depth_end: float, rank: int) -> tuple[DepthCurves, np.ndarray]:
-    """Shared curves and amplitudes of positive `values` (S, M + 1); a constant curve where depth does not matter."""
+    """Shared curves and amplitudes of positive `values` (S, M + 1); a constant curve where depth does not matter, none
+    where all is zero: what is not there is not stored, and not summed in a tick."""
     usual = values.mean(axis=0)
     if not values.any():
-        return DepthCurves(depth_end, np.zeros((1, INTERVALS, 4))), np.zeros((len(values), 1))
+        return DepthCurves(depth_end, np.zeros((0, INTERVALS, 4))), np.zeros((len(values), 0))
     if np.ptp(values, axis=1).max() < 1e-9 * usual.max():
         constant = np.zeros((1, INTERVALS, 4))
         constant[..., 0] = 1.0

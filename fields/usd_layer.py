@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -120,8 +120,8 @@ def _indexed(prim: Sdf.PrimSpec, name: str, values: np.ndarray) -> np.ndarray:
     return values[first[order]]
 
 
-def schema_values(prim: Usd.Prim, api: str) -> dict[str, Any]:
-    """All attributes of `api` on `prim`, by member; needs no registered schema.
+def schema_values(prim: Usd.Prim, api: str, absent: Sequence[str] = ()) -> dict[str, Any]:
+    """All attributes of `api` on `prim`, by member, but `absent` ones; needs no registered schema.
 
     Raises:
         FieldError: the API is not applied, or an attribute is missing or of another type.
@@ -129,7 +129,8 @@ def schema_values(prim: Usd.Prim, api: str) -> dict[str, Any]:
     applied = prim.GetPrimTypeInfo().GetAppliedAPISchemas()
     if api not in applied:
         raise FieldError(f"{_place(prim)} carries {list(applied)}; {api} is right")
-    return {member: read_attribute(prim, row) for member, row in APIS[api].attributes.items()}
+    rows = APIS[api].attributes.items()
+    return {member: read_attribute(prim, row) for member, row in rows if member not in absent}
 
 
 def read_attribute(prim: Usd.Prim, row: SchemaAttribute) -> Any:

@@ -9,7 +9,7 @@
         Nodes                     Points with PalpateResponseAPI: the authored truth
         Family                    of a tool family: the nodes under its other radii, PalpateFamilyMemberAPI too
         Ways/Tilt_1 ...           PalpateWayAPI: a further way of touching, with its own Nodes and Amplitudes
-        EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI
+        EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI; the last two with friction only
         Amplitudes                PalpateLatticeAPI
         Tool                      Sphere or Mesh (purpose guide), resting on the first node
 """
@@ -35,8 +35,17 @@ from palpate.fields.response_field import (
     TiltedWay,
     ToolReference,
 )
-from palpate.fields.usd_layer import author, author_schema, child, json_text, new_layer, schema_values
+from palpate.fields.usd_layer import (
+    author,
+    author_schema,
+    author_some,
+    child,
+    json_text,
+    new_layer,
+    schema_values,
+)
 from palpate.fields.usd_organ import exact_points, point_attributes
+from palpate.fields.usd_schema.attributes import APIS
 
 __all__ = ["contact_from_prim", "contact_hash", "contact_layer", "field_from_prim", "field_layer"]
 
@@ -106,6 +115,8 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
     author_schema(response, "PalpateFieldAPI", values)
     _family(response, field, _nodes(response, "Nodes", field.nodes))
     for name, curves in _curve_groups(field).items():
+        if not curves.curve_count:  # an effect that the field does not have
+            continue
         rows = {
             "depth_end": curves.depth_end,
             "curve_count": curves.curve_count,
@@ -153,7 +164,13 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
                 f"{response.GetPath()} was made for {own} {values[own][:12]}, the asset has {stored[:12]}; "
                 "author this tool again"
             )
-    curves = {name: _read_curves(_child(response, name)) for name in _CURVES}
+    energy = _read_curves(_child(response, _CURVES[0]))
+    none = DepthCurves(energy.depth_end, np.zeros((0, *energy.coefficients.shape[1:])))
+    stored = {name: response.GetChild(name) for name in _CURVES[1:]}
+    curves = {
+        _CURVES[0]: energy,
+        **{name: _read_curves(prim) if prim else none for name, prim in stored.items()},
+    }
     tool, nodes = _read_tool(response, values), _read_nodes(_child(response, "Nodes"))
     geometry = contact_from_prim(root)
     field = ResponseField(
@@ -208,8 +225,9 @@ def _nodes(parent: Sdf.PrimSpec, name: str, nodes: ResponseNodes) -> Sdf.PrimSpe
     share = ((force - force.min()) / max(float(np.ptp(force)), 1e-300))[:, None]
     colour = (1 - share) * SOFT + share * STIFF
     author(prim, "primvars:displayColor", "color3f[]", colour, interpolation="vertex")
-    values = {name: getattr(nodes, name) for name in _NODE_MEMBERS}
-    author_schema(prim, "PalpateResponseAPI", values, element_size=len(nodes.depth_knots))
+    without = () if any(getattr(nodes, name).any() for name in _OF_FRICTION) else _OF_FRICTION
+    values = {name: getattr(nodes, name) for name in _NODE_MEMBERS if name not in without}
+    author_some(prim, "PalpateResponseAPI", values, element_size=len(nodes.depth_knots))
     return prim
 
 
@@ -263,6 +281,8 @@ def _read_family(response: Usd.Prim, tool: ToolReference, nodes: ResponseNodes) 
     return tuple(sorted(members, key=lambda member: member.radius))
 
 
+_OF_FRICTION = ("friction_stiffness", "friction_coefficient")
+"""Node curves that a field without friction does not have; both or none."""
 _NODE_MEMBERS = (
     "depth_knots",
     "normal",
@@ -279,9 +299,12 @@ _NODE_MEMBERS = (
 
 
 def _read_nodes(prim: Usd.Prim) -> ResponseNodes:
-    values = schema_values(prim, "PalpateResponseAPI")
+    rows = APIS["PalpateResponseAPI"].attributes
+    frictionless = not any(prim.HasAttribute(rows[name].name) for name in _OF_FRICTION)
+    values = schema_values(prim, "PalpateResponseAPI", absent=_OF_FRICTION if frictionless else ())
     position = exact_points(prim)
     n, k = len(position), len(values["depth_knots"])
+    values |= {name: np.zeros(n * k) for name in _OF_FRICTION if frictionless}
     for member, name in (
         ("normal", "normal"),
         ("depth_reached", "depthReached"),

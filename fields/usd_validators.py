@@ -87,6 +87,13 @@ def _units(prim: Usd.Prim) -> Iterator[str]:
                 yield str(error)
 
 
+def _frictionless(prim: Usd.Prim) -> tuple[str, ...]:
+    """Names of curves that nodes without friction do not have; none where one of them is there."""
+    rows = APIS["PalpateResponseAPI"].attributes
+    names = tuple(rows[name].name for name in ("friction_stiffness", "friction_coefficient"))
+    return () if any(prim.HasAttribute(name) for name in names) else names
+
+
 def _element_counts(prim: Usd.Prim) -> Iterator[str]:
     if _has(prim, "PalpateExactPointsAPI"):
         yield from _count(
@@ -97,8 +104,9 @@ def _element_counts(prim: Usd.Prim) -> Iterator[str]:
             continue
         nodes = len(UsdGeom.PointBased(prim).GetPointsAttr().Get() or ())
         knots = len(_array(prim, knots_name))
+        without = _frictionless(prim)
         for row in APIS[api].attributes.values():
-            if row.is_primvar:
+            if row.is_primvar and row.name not in without:
                 size = knots if row.per_knot else 1
                 yield from _count(prim, row.name, nodes * size)
                 primvar = UsdGeom.Primvar(prim.GetAttribute(row.name))

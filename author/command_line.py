@@ -38,6 +38,7 @@ from palpate.author.arguments import (
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.scan_command import detect, scan
+from palpate.author.transients_command import transients
 
 __all__ = ["app", "main"]
 
@@ -47,6 +48,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+app.add_typer(transients, name="transients")
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (TOML)")]
 Asset = Annotated[Path, typer.Argument(metavar="ASSET", help="asset folder")]

@@ -17,7 +17,9 @@ from palpate.author.errors import InputError, InputProblem
 
 __all__ = ["transients"]
 
-transients = typer.Typer(help="Make a tap feel as the real thing does: identify, invert, assess.", no_args_is_help=True)
+transients = typer.Typer(
+    help="Make a tap feel as the real thing does: identify, invert, assess.", no_args_is_help=True
+)
 
 Json = Annotated[bool, typer.Option("--json", help="one JSON object on stdout, everything else on stderr")]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="where files go")]
@@ -44,8 +46,17 @@ def plan(
         file = out / "sweep.csv"
         table = np.column_stack([np.arange(len(force)) / rate, force])
         np.savetxt(file, table, delimiter=",", header="time,force", comments="", fmt="%.9g")
-        result = {"file": str(file), "rate": rate, "band": list(BAND), "duration": len(force) / rate, "amplitude": amplitude}
-        told = f"{file}: {len(force) / rate:g} s from {BAND[0]:g} to {BAND[1]:g} Hz; play it several times while a hand holds the device, and record time, force, acceleration"
+        result = {
+            "file": str(file),
+            "rate": rate,
+            "band": list(BAND),
+            "duration": len(force) / rate,
+            "amplitude": amplitude,
+        }
+        told = (
+            f"{file}: {len(force) / rate:g} s from {BAND[0]:g} to {BAND[1]:g} Hz; play it several times "
+            "while a hand holds the device, and record time, force, acceleration"
+        )
         return Answer(result, [told])
 
     _end(work, as_json)
@@ -53,7 +64,9 @@ def plan(
 
 @transients.command()
 def fit(
-    recordings: Annotated[list[Path], typer.Argument(metavar="RECORDING...", help="CSV, NPZ or WAV of sweeps")],
+    recordings: Annotated[
+        list[Path], typer.Argument(metavar="RECORDING...", help="CSV, NPZ or WAV of sweeps")
+    ],
     out: Out,
     order: Annotated[int, typer.Option("--order", help="poles of the model")] = 7,
     relative_degree: Annotated[int, typer.Option("--relative-degree", help="poles minus zeros")] = 4,
@@ -73,7 +86,9 @@ def fit(
         runs = [read_recording(path) for path in recordings]
         for run in runs:
             require_usable(run, BAND, sweep=True)
-            if abs(run.rate - runs[0].rate) > 1e-6 * runs[0].rate or len(run.acceleration) != len(runs[0].acceleration):
+            if abs(run.rate - runs[0].rate) > 1e-6 * runs[0].rate or len(run.acceleration) != len(
+                runs[0].acceleration
+            ):
                 what = "differs in rate or length from the first recording"
                 raise InputError(InputProblem(run.file, "", None, what, "runs of the same sweep"))
         measured = empirical_transfer(
@@ -95,7 +110,10 @@ def fit(
         }
         (out / "model.json").write_text(json.dumps(result, indent=1) + "\n")
         bode_picture(measured, model, out / "bode.png")
-        told = f"{result['model']}: within {model.gain_error:.2g} dB and {model.phase_error:.2g} degrees of {len(runs)} recordings from 20 to 400 Hz, delay {1e3 * model.delay:.3g} ms"
+        told = (
+            f"{result['model']}: within {model.gain_error:.2g} dB and {model.phase_error:.2g} degrees "
+            f"of {len(runs)} recordings from 20 to 400 Hz, delay {1e3 * model.delay:.3g} ms"
+        )
         return Answer(result, [told])
 
     _end(work, as_json)
@@ -125,17 +143,25 @@ def library(
 
         try:
             read = json.loads(model.read_text())
-            device = DeviceModel(np.array(read["numerator"], float), np.array(read["denominator"], float), float(read["delay"]))
+            device = DeviceModel(
+                np.array(read["numerator"], float), np.array(read["denominator"], float), float(read["delay"])
+            )
         except (OSError, ValueError, KeyError, TypeError) as error:
             what = f"is no model ({error})"
-            raise InputError(InputProblem(str(model), "", None, what, "model.json of `palpate transients fit`")) from error
+            raise InputError(
+                InputProblem(str(model), "", None, what, "model.json of `palpate transients fit`")
+            ) from error
         runs = [read_recording(path) for path in recordings]
         for run in runs:
             require_usable(run, BAND)
             if run.velocity is None:
-                raise InputError(InputProblem(run.file, "velocity", None, "is missing", "the speed before contact, m/s"))
+                raise InputError(
+                    InputProblem(run.file, "velocity", None, "is missing", "the speed before contact, m/s")
+                )
             if abs(run.rate - runs[0].rate) > 1e-6 * runs[0].rate:
-                raise InputError(InputProblem(run.file, "rate", run.rate, "differs", f"{runs[0].rate:g} Hz, as the first"))
+                raise InputError(
+                    InputProblem(run.file, "rate", run.rate, "differs", f"{runs[0].rate:g} Hz, as the first")
+                )
         rate = runs[0].rate
         made, found = library_of(
             device, [run.acceleration for run in runs], [run.velocity or 0.0 for run in runs], rate, stiffness
@@ -160,33 +186,47 @@ def library(
 
 @transients.command()
 def assess(
-    out: Annotated[Path | None, typer.Option("--out", metavar="DIR", help="where pictures and sounds go")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="where pictures and sounds go")
+    ] = None,
     superposed: Annotated[
         bool,
-        typer.Option("--superposed", help="libraries leave to the response what it does itself, not scaled by 0.8"),
+        typer.Option(
+            "--superposed", help="libraries leave to the response what it does itself, not scaled by 0.8"
+        ),
     ] = False,
     as_json: Json = False,
 ) -> None:
-    """Tap the eleven samples of the study with a simulated stylus and rank them: a physical measure, not a user study."""
+    """Tap the eleven samples of the study with a simulated stylus and rank them: a physical measure, not a
+    user study."""
 
     def work() -> Answer:
         from palpate.author.transients.assessment import assess as assessed
         from palpate.author.transients.pictures import accelerations_picture, tap_sound
 
-        result = assessed(superposed=superposed, progress=lambda line: print(line, file=sys.stderr, flush=True))
+        result = assessed(
+            superposed=superposed, progress=lambda line: print(line, file=sys.stderr, flush=True)
+        )
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
             accelerations_picture(result, out / "accelerations.png")
             for name, curve in result["curves"].items():
                 tap_sound(curve, result["rate"], out / f"{name}.wav")
         shown = {key: value for key, value in result.items() if key != "curves"}
-        lines = [f"spectrum of a tap, 20 to 400 Hz, against {result['target']} (physical measure, not a user study)"]
+        lines = [
+            f"spectrum of a tap, 20 to 400 Hz, against {result['target']} (physical measure, not a user study)"
+        ]
         lines += [
-            f"{row['sample']:18s} off by {100 * row['spectrum_error_mean']:5.1f} % (worst {100 * row['spectrum_error_worst']:.1f} %), "
-            f"peak x {row['peak_ratio']:.2f}, correlation {row['correlation']:.2f}" + (", saturated" if row["saturated"] else "")
+            f"{row['sample']:18s} off by {100 * row['spectrum_error_mean']:5.1f} % "
+            f"(worst {100 * row['spectrum_error_worst']:.1f} %), "
+            f"peak x {row['peak_ratio']:.2f}, correlation {row['correlation']:.2f}"
+            + (", saturated" if row["saturated"] else "")
             for row in result["rows"]
         ]
-        lines.append("the study's order of renderings is " + ("reproduced" if result["order_reproduced"] else "NOT reproduced"))
+        lines.append(
+            "the study's order of renderings is "
+            + ("reproduced" if result["order_reproduced"] else "NOT reproduced")
+        )
         return Answer(shown, ["\n".join(lines)], 0 if result["order_reproduced"] else 1)
 
     _end(work, as_json)

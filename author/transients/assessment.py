@@ -3,8 +3,10 @@
 """How near do renderings come to a tap on the real thing?  A physical measure, not a user study.
 
 Each of the eleven samples is tapped by the simulated stylus at the same velocities; what its tip accelerates in the
-first 100 ms is held against the target's (wood on foam, as in the paper's figure 8): peak, magnitude of the spectrum from
-20 to 400 Hz, and the best correlation within 5 ms of delay.  The ranking is by the spectrum's error, averaged over velocities.
+first 100 ms is held against the target's (wood on foam, as in the paper's figure 8): peak, magnitude of the
+spectrum from
+20 to 400 Hz, and the best correlation within 5 ms of delay.  The ranking is by the spectrum's error, averaged
+over velocities.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import numpy as np
 from palpate.author.transients.identification import DeviceModel, empirical_transfer, fitted_model, sweep
 from palpate.author.transients.inversion import WINDOW, in_band, spectrum_error
 from palpate.author.transients.library import Library, library_of
-from palpate.author.transients.samples import FIRM, REAL, SAMPLES, Rendering, controller
+from palpate.author.transients.samples import REAL, SAMPLES, Rendering, controller
 from palpate.author.transients.stylus import Stylus
 from palpate.author.transients.tap import RealSample, Taps, swept, tapped
 
@@ -31,7 +33,8 @@ ASSESSED = (0.05, 0.09, 0.11, 0.15, 0.20)
 
 
 def identified(stylus: Stylus, runs: int = 4, noise: float = 0.1, seed: int = 1) -> DeviceModel:
-    """The model that `runs` sweeps at each of three forces give; noise: of acceleration, over its own size (0.1: 20 dB)."""
+    """The model that `runs` sweeps at each of three forces give; noise: of acceleration, over its own size
+    (0.1: 20 dB)."""
     random = np.random.default_rng(seed)
     forces, accelerations = [], []
     for amplitude in (0.5, 1.0, 1.5):
@@ -69,7 +72,8 @@ def assess(
 
     Returns:
         target, velocity (m/s), model ({gain_error dB, phase_error deg, delay s}), rows: [{sample, spectrum_error (over
-        `velocity`), spectrum_error_mean, spectrum_error_worst, peak_ratio, correlation, saturated}] by rising mean error, order_reproduced,
+        `velocity`), spectrum_error_mean, spectrum_error_worst, peak_ratio, correlation, saturated}] by rising
+        mean error, order_reproduced,
         curves: {sample: (n,) m/s2 at the velocity nearest to 0.11}, rate.
     """
     say = progress or (lambda line: None)
@@ -104,7 +108,9 @@ def assess(
                 "spectrum_error_mean": float(np.mean(errors)),
                 "spectrum_error_worst": float(np.max(errors)),
                 "peak_ratio": float(np.mean(abs(after).max(1) / abs(target).max(1))),
-                "correlation": float(np.mean([_correlation(a, t, stylus.rate) for a, t in zip(after, target, strict=True)])),
+                "correlation": float(
+                    np.mean([_correlation(a, t, stylus.rate) for a, t in zip(after, target, strict=True)])
+                ),
                 "saturated": bool(taps.saturated.any()),
             }
         )

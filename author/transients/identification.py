@@ -2,15 +2,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """From recordings of a swept force to a model of the device that can be inverted (the paper, section 3.2).
 
-The plan is a linear sweep f(t) = A sin(2 pi (F0 t + (F1 - F0) t^2 / (2 T))), tapered at both ends.  The empirical transfer function
-is H = sum_r conj(U_r) Y_r / sum_r |U_r|^2 over runs r, a complex average; neighbouring frequencies within `SMOOTHING` are
-averaged too, which is what quietens noise between runs.  The held command's own half-sample and droop are taken out, so H is
+The plan is a linear sweep f(t) = A sin(2 pi (F0 t + (F1 - F0) t^2 / (2 T))), tapered at both ends.  The
+empirical transfer function
+is H = sum_r conj(U_r) Y_r / sum_r |U_r|^2 over runs r, a complex average; neighbouring frequencies within
+`SMOOTHING` are
+averaged too, which is what quietens noise between runs.  The held command's own half-sample and droop are
+taken out, so H is
 the device's, from force to acceleration.  The model is
 
     G(s) = K prod_i (s - z_i) / prod_i (s - p_i) exp(-s tau),
 
-with `order` poles and order - relative_degree zeros.  Poles are kept stable by parametrising real pairs s^2 + exp(a) s + exp(b).
-Starting points: poles spread over the band; then scipy's least squares on the complex logarithm (dB and degrees at once).
+with `order` poles and order - relative_degree zeros.  Poles are kept stable by parametrising real pairs s^2 +
+exp(a) s + exp(b).
+Starting points: poles spread over the band; then scipy's least squares on the complex logarithm (dB and
+degrees at once).
 Limits: a linear device; one zero of acceleration at rest is not forced, for a hand hides it (as in the paper).
 """
 
@@ -33,7 +38,8 @@ BAND = (10.0, 500.0)
 SMOOTHING = 4.0
 """Hz, of the average over neighbouring frequencies; a resonance of 130 Hz with a quality of 10 is 13 Hz wide."""
 GOOD = 0.03
-"""Root mean square of the complex logarithm's residual at which no further starting point is tried; 0.26 dB and 1.7 deg."""
+"""Root mean square of the complex logarithm's residual at which no further starting point is tried; 0.26 dB
+and 1.7 deg."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +84,11 @@ def sweep(
     return amplitude * chirp(time, band[0], duration, band[1], phi=-90) * tukey(len(time), 0.04)
 
 
-def empirical_transfer(force: np.ndarray, acceleration: np.ndarray, rate: float, held: bool = True) -> Empirical:
-    """Of `force` (runs, n) N and `acceleration` (runs, n) m/s2 at `rate` Hz; `held`: the command was held between samples."""
+def empirical_transfer(
+    force: np.ndarray, acceleration: np.ndarray, rate: float, held: bool = True
+) -> Empirical:
+    """Of `force` (runs, n) N and `acceleration` (runs, n) m/s2 at `rate` Hz; `held`: the command was held
+    between samples."""
     force, acceleration = np.atleast_2d(force), np.atleast_2d(acceleration)
     frequency = np.fft.rfftfreq(force.shape[1], 1.0 / rate)
     u, y = np.fft.rfft(force), np.fft.rfft(acceleration - acceleration.mean(axis=1, keepdims=True))
@@ -88,12 +97,16 @@ def empirical_transfer(force: np.ndarray, acceleration: np.ndarray, rate: float,
     def smooth(x: np.ndarray) -> np.ndarray:
         return uniform_filter1d(x.real, size) + 1j * uniform_filter1d(x.imag, size)
 
-    cross, power, answer = (smooth(x) for x in ((u.conj() * y).sum(0), (abs(u) ** 2).sum(0), (abs(y) ** 2).sum(0)))
+    cross, power, answer = (
+        smooth(x) for x in ((u.conj() * y).sum(0), (abs(u) ** 2).sum(0), (abs(y) ** 2).sum(0))
+    )
     kept = (frequency >= BAND[0]) & (frequency <= BAND[1])
     transfer = cross[kept] / power[kept]
     if held:
         period = 1.0 / rate
-        transfer = transfer / (np.sinc(frequency[kept] * period) * np.exp(-1j * np.pi * frequency[kept] * period))
+        transfer = transfer / (
+            np.sinc(frequency[kept] * period) * np.exp(-1j * np.pi * frequency[kept] * period)
+        )
     coherence = abs(cross[kept]) ** 2 / (power[kept].real * answer[kept].real)
     return Empirical(frequency[kept], transfer, coherence, force.shape[0])
 
@@ -112,13 +125,20 @@ def fitted_model(
     """
     if not 1 <= relative_degree <= order <= 20:
         raise InputError(
-            InputProblem("", "--relative-degree", relative_degree, "makes no model", "1 to the order, at most 20")
+            InputProblem(
+                "", "--relative-degree", relative_degree, "makes no model", "1 to the order, at most 20"
+            )
         )
     good = measured.coherence >= coherence
     between = (measured.frequency >= 20.0) & (measured.frequency <= 400.0)
     if good[between].mean() < 0.9:
-        what = f"explain less than {100 * coherence:g} % of the acceleration at {100 - 100 * good[between].mean():.0f} % of 20 to 400 Hz"
-        raise InputError(InputProblem("", "recordings", None, what, "a stronger sweep, a tighter grasp or more runs"))
+        what = (
+            f"explain less than {100 * coherence:g} % of the acceleration at "
+            f"{100 - 100 * good[between].mean():.0f} % of 20 to 400 Hz"
+        )
+        raise InputError(
+            InputProblem("", "recordings", None, what, "a stronger sweep, a tighter grasp or more runs")
+        )
     f, h = measured.frequency[good], measured.transfer[good]
     grid = np.geomspace(f[0], f[-1], 160)
     h = np.interp(grid, f, np.log(abs(h))) + 1j * np.interp(grid, f, np.unwrap(np.angle(h)))
@@ -172,7 +192,9 @@ def fitted_model(
     x = best.x
     denominator = np.ones(1)
     for i in range(pairs):
-        denominator = np.polymul(denominator, [1.0, np.exp(x[zeros + 1 + 2 * i]), np.exp(x[zeros + 2 + 2 * i])])
+        denominator = np.polymul(
+            denominator, [1.0, np.exp(x[zeros + 1 + 2 * i]), np.exp(x[zeros + 2 + 2 * i])]
+        )
     if odd:
         denominator = np.polymul(denominator, [1.0, np.exp(x[zeros + 1 + 2 * pairs])])
     late = float(np.exp(x[-1]) / scale) if free else float(delay or 0.0)

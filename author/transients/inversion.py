@@ -2,14 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The force that makes a device accelerate as it did at a real contact (the paper, section 3.3).
 
-A recorded acceleration a(t), t >= 0 at contact, is kept to the band by a filter without phase, divided by the model in the
-frequency domain, F = A / G, and tapered to zero at both ends.  Division there is the stable inverse also where G has zeros in
-the right half plane; what it then asks for before the contact cannot be played.  `LEAD` of that is kept by starting the whole
-transient so much later, as is the model's delay: the hand feels the same a few milliseconds late.  The forward check plays the
+A recorded acceleration a(t), t >= 0 at contact, is kept to the band by a filter without phase, divided by the
+model in the
+frequency domain, F = A / G, and tapered to zero at both ends.  Division there is the stable inverse also where
+G has zeros in
+the right half plane; what it then asks for before the contact cannot be played.  `LEAD` of that is kept by
+starting the whole
+transient so much later, as is the model's delay: the hand feels the same a few milliseconds late.  The forward
+check plays the
 force through the model again and holds magnitudes of the spectra against each other from 20 to 400 Hz.
 
 Beside a response that pushes with f = -k d the paper attenuates transients by 0.8, for the response does part of their
-work.  With `stiffness` that part is taken out before the division instead: the recorded motion d(t) = v t + int int a would
+work.  With `stiffness` that part is taken out before the division instead: the recorded motion d(t) = v t +
+int int a would
 make the response push with -k d(t), and the transient is the rest.
 """
 
@@ -41,7 +46,8 @@ MISSED = 0.1
 
 @dataclass(frozen=True)
 class Transient:
-    """Attributes: velocity m/s; force (n,) N on the hand along the motion, negative out of the surface, from LEAD before
+    """Attributes: velocity m/s; force (n,) N on the hand along the motion, negative out of the surface, from
+    LEAD before
     contact on; error: of the forward check (see `spectrum_error`)."""
 
     velocity: float
@@ -60,8 +66,15 @@ def require_invertible(model: DeviceModel, rate: float, band: tuple[float, float
     size = abs(model.transfer(frequency))
     quiet = size < QUIETEST * size.max()
     if quiet.any():
-        what = f"answers {QUIETEST:g} of its loudest or less at {frequency[quiet][0]:.0f} Hz: its inverse would be unstable or deafening"
-        raise InputError(InputProblem("", "model", None, what, f"a device that moves everywhere in {band[0]:g} to {band[1]:g} Hz"))
+        what = (
+            f"answers {QUIETEST:g} of its loudest or less at {frequency[np.argmin(size)]:.0f} Hz: its "
+            "inverse would be unstable or deafening"
+        )
+        raise InputError(
+            InputProblem(
+                "", "model", None, what, f"a device that moves everywhere in {band[0]:g} to {band[1]:g} Hz"
+            )
+        )
 
 
 def in_band(signal: np.ndarray, rate: float, band: tuple[float, float] = BAND) -> np.ndarray:
@@ -73,7 +86,8 @@ def in_band(signal: np.ndarray, rate: float, band: tuple[float, float] = BAND) -
 def inverted(
     model: DeviceModel, acceleration: np.ndarray, velocity: float, rate: float, stiffness: float = 0.0
 ) -> Transient:
-    """The transient for `acceleration` (n,) m/s2 after a contact at `velocity` m/s, beside a response of `stiffness` N/m.
+    """The transient for `acceleration` (n,) m/s2 after a contact at `velocity` m/s, beside a response of
+    `stiffness` N/m.
 
     Raises:
         InputError: the model cannot be inverted, the recording is shorter than 50 ms, or too much of the force would
@@ -81,7 +95,11 @@ def inverted(
     """
     require_invertible(model, rate)
     if len(acceleration) < 0.5 * WINDOW * rate:
-        raise InputError(InputProblem("", "acceleration", len(acceleration) / rate, "is short", "at least 0.05 s after contact"))
+        raise InputError(
+            InputProblem(
+                "", "acceleration", len(acceleration) / rate, "is short", "at least 0.05 s after contact"
+            )
+        )
     count = min(len(acceleration), round(WINDOW * rate))
     before, size = round(0.1 * rate), 2 ** int(np.ceil(np.log2(6 * count)))
     a = np.asarray(acceleration[:count], dtype=float)
@@ -102,7 +120,9 @@ def inverted(
     missed = np.sum(total[far : before - lead] ** 2) / max(np.sum(total[far : before + count] ** 2), 1e-300)
     if missed > MISSED and not stiffness:
         what = f"asks for {100 * missed:.0f} % of the force's energy before the contact"
-        raise InputError(InputProblem("", "model", None, what, "a model without slow zeros in the right half plane"))
+        raise InputError(
+            InputProblem("", "model", None, what, "a model without slow zeros in the right half plane")
+        )
     force = total[before - lead : before - lead + count] * taper(count, rate)
     played = np.zeros(size)
     played[before : before + count] = force
@@ -121,7 +141,8 @@ def taper(count: int, rate: float) -> np.ndarray:
 
 
 def spectrum(signal: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """Frequencies Hz and magnitudes (signal's unit times s) of the first WINDOW of `signal` (n,), between JUDGED's ends."""
+    """Frequencies Hz and magnitudes (signal's unit times s) of the first WINDOW of `signal` (n,), between
+    JUDGED's ends."""
     count = min(len(signal), round(WINDOW * rate))
     frequency = np.fft.rfftfreq(count, 1.0 / rate)
     kept = (frequency >= JUDGED[0]) & (frequency <= JUDGED[1])

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Transients by incoming velocity, of which a contact plays the linear combination of the two nearest (the paper, section 3.4).
+"""Transients by incoming velocity, of which a contact plays the linear combination of the two nearest (the
+paper, section 3.4).
 
 Below the slowest recording its transient is scaled with velocity, down to nothing at rest; above the fastest one the
 fastest is played, and the runtime says that it was limited.
@@ -22,7 +23,8 @@ __all__ = ["Library", "library_of", "library_of_shape"]
 
 @dataclass(frozen=True)
 class Library:
-    """Attributes: rate Hz; velocity (k,) m/s, rising; force (k, n) N, positive out of the surface, zero at both ends."""
+    """Attributes: rate Hz; velocity (k,) m/s, rising; force (k, n) N, positive out of the surface, zero at
+    both ends."""
 
     rate: float
     velocity: np.ndarray
@@ -54,7 +56,15 @@ def library_of(
     order = np.argsort(velocity)
     v = np.asarray(velocity, dtype=float)[order]
     if len(v) < 1 or not np.all(np.isfinite(v)) or v[0] <= 0.0 or np.any(np.diff(v) <= 1e-4 * v[-1]):
-        raise InputError(InputProblem("", "velocity", [float(x) for x in v], "cannot index a library", "velocities above 0, all different"))
+        raise InputError(
+            InputProblem(
+                "",
+                "velocity",
+                [float(x) for x in v],
+                "cannot index a library",
+                "velocities above 0, all different",
+            )
+        )
     found = [inverted(model, acceleration[i], float(velocity[i]), rate, stiffness) for i in order]
     count = min(len(t.force) for t in found)
     return Library(rate, v, -np.stack([t.force[:count] for t in found])), found

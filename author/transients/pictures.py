@@ -55,7 +55,11 @@ def accelerations_picture(result: dict[str, Any], path: Path) -> None:
     for axis, row in zip(axes, rows, strict=True):
         curve = result["curves"][row["sample"]]
         axis.plot(1e3 * np.arange(len(curve)) / result["rate"], curve, color="C0", linewidth=0.9)
-        axis.set_title(f"{row['sample']}: spectrum off by {100 * row['spectrum_error_mean']:.0f} %", fontsize=8, loc="left")
+        axis.set_title(
+            f"{row['sample']}: spectrum off by {100 * row['spectrum_error_mean']:.0f} %",
+            fontsize=8,
+            loc="left",
+        )
         axis.tick_params(labelsize=7)
     axes[-1].set_xlabel("time after contact [ms]")
     axes[len(rows) // 2].set_ylabel("acceleration [m/s²]")

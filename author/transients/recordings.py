@@ -2,8 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings of force and acceleration, from CSV, NPZ and WAV; what cannot be right is refused by name.
 
-CSV: a header line with `time` (s), `force` (N) and `acceleration` (m/s2), any order.  NPZ: arrays `rate` (Hz), `acceleration`
-and, for sweeps, `force`; for contacts `velocity` (m/s).  WAV: two channels, force and acceleration, or one, acceleration; full
+CSV: a header line with `time` (s), `force` (N) and `acceleration` (m/s2), any order.  NPZ: arrays `rate` (Hz),
+`acceleration`
+and, for sweeps, `force`; for contacts `velocity` (m/s).  WAV: two channels, force and acceleration, or one,
+acceleration; full
 scale is `scale` (N, m/s2).  A contact starts where the recording does.
 """
 
@@ -59,7 +61,9 @@ def read_recording(path: Path, scale: tuple[float, float] = (1.0, 1.0)) -> Recor
         elif kind == ".npz":
             with np.load(path, allow_pickle=False) as data:
                 if "rate" not in data or "acceleration" not in data:
-                    raise refuse("lacks arrays", "rate and acceleration; force of a sweep; velocity of a contact")
+                    raise refuse(
+                        "lacks arrays", "rate and acceleration; force of a sweep; velocity of a contact"
+                    )
                 rate, acceleration = float(data["rate"]), np.asarray(data["acceleration"], dtype=float)
                 force = np.asarray(data["force"], dtype=float) if "force" in data else None
                 velocity = float(data["velocity"]) if "velocity" in data else None
@@ -79,7 +83,8 @@ def read_recording(path: Path, scale: tuple[float, float] = (1.0, 1.0)) -> Recor
 
 
 def require_usable(recording: Recording, band: tuple[float, float], sweep: bool = False) -> None:
-    """Raises InputError with all that is wrong: rate, numbers, clipping, lengths, force and acceleration out of step."""
+    """Raises InputError with all that is wrong: rate, numbers, clipping, lengths, force and acceleration out
+    of step."""
     a, f, rate = recording.acceleration, recording.force, recording.rate
     problems: list[InputProblem] = []
 
@@ -99,11 +104,18 @@ def require_usable(recording: Recording, band: tuple[float, float], sweep: bool 
         add("force", None, "is missing", "the commanded force beside the acceleration")
     if sweep and not problems and f is not None:
         if len(f) != len(a):
-            add("force", None, f"has {len(f)} samples and acceleration {len(a)}", "recordings that start and end together")
+            add(
+                "force",
+                None,
+                f"has {len(f)} samples and acceleration {len(a)}",
+                "recordings that start and end together",
+            )
         else:
             late = _lag(f, a) / rate
             if not -0.002 <= late <= 0.02:
-                add("acceleration", late, "s behind the force: they are misaligned", "a delay from 0 to 20 ms")
+                add(
+                    "acceleration", late, "s behind the force: they are misaligned", "a delay from 0 to 20 ms"
+                )
     if problems:
         raise InputError(problems)
 

@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """The eleven samples of the paper's study (its table 1): three real ones and eight renderings.
 
-Stiffnesses, amplitudes, durations and the frequency that the study really played (36.2 Hz, its footnote) are the paper's.
-It does not say what the block weighs, how its top gives way, or how materials lose energy: those are this project's choices.
+Stiffnesses, amplitudes, durations and the frequency that the study really played (36.2 Hz, its footnote) are
+the paper's.
+It does not say what the block weighs, how its top gives way, or how materials lose energy: those are this
+project's choices.
 The block of wood on foam gives way by 7 kN/m, not by wood's 70 kN/m: a block that bends on its foam, such that the
-contact rings near the 66 Hz at which the paper tuned its sinusoid, and stays within its device's force, as the paper says.
+contact rings near the 66 Hz at which the paper tuned its sinusoid, and stays within its device's force, as the
+paper says.
 """
 
 from __future__ import annotations

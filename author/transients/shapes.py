@@ -3,7 +3,8 @@
 """Forces against time that need no recording, each for an incoming velocity v.
 
     pulse              f = A v                                           0 <= t < d          the paper, table 1
-    decaying sinusoid  f = A v sin(2 pi F t) exp(-t / tau)               0 <= t < d          the paper, after Okamura 2001
+    decaying sinusoid  f = A v sin(2 pi F t) exp(-t / tau)               0 <= t < d          the paper, after
+    Okamura 2001
     modal sum          f = v sum_i A_i sin(2 pi F_i t) exp(-t / tau_i)   0 <= t < d          Wellman and Howe 1995
 
 The paper's table gives the sinusoid's A, F and d and not its decay: `decay` is a parameter here, d / 3 when absent.

@@ -4,13 +4,16 @@
 
     m d'' = -(K(d) d + D(d) d'),      K(d) = k0 d^i,   D(d) = B0 d
 
-(V. Hayward, Physically-based haptic synthesis, 2008, section 6, after Hunt and Crossley, 1975), integrated from d = 0, d' = v
-until d is 0 again.  Both terms vanish with d, so the force is continuous and zero at both ends.  Loss: with u = d' and the
+(V. Hayward, Physically-based haptic synthesis, 2008, section 6, after Hunt and Crossley, 1975), integrated
+from d = 0, d' = v
+until d is 0 again.  Both terms vanish with d, so the force is continuous and zero at both ends.  Loss: with u
+= d' and the
 slope s(d) = u^2 / 2, the motion is m u du/dd = -(k0 d^(i+1) + B0 d u).  For i = 0 that separates,
 
     m u du / (k0 + B0 u) = -d dd,
 
-so that the speed w at which the mass leaves follows from g(v) = g(-w), g(u) = u / B0 - k0 / B0^2 log(1 + B0 u / k0), and the loss
+so that the speed w at which the mass leaves follows from g(v) = g(-w), g(u) = u / B0 - k0 / B0^2 log(1 + B0 u
+/ k0), and the loss
 is m (v^2 - w^2) / 2: `loss`, without integration over time.  Limit: other i have no such form, and `loss` refuses them.
 """
 
@@ -31,7 +34,8 @@ LONGEST = 0.5
 def shock(
     velocity: float, mass: float, stiffness: float, damping: float, exponent: float = 0.0, rate: float = 1e4
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth (n,) m, speed (n,) m/s and force on the mass, out of the surface, (n,) N, at 1 / rate s until d returns to zero.
+    """Depth (n,) m, speed (n,) m/s and force on the mass, out of the surface, (n,) N, at 1 / rate s until d
+    returns to zero.
 
     Args:
         velocity: m/s, above 0; mass: kg; stiffness: k0, N/m^(i+1); damping: B0, N s/m2; exponent: i, at least 0.

@@ -9,10 +9,14 @@ Motor, arm and stylus are three masses on a line with springs between them and a
     m3 x3'' = k2 (x2 - x3) - c3 x3' - z,       z' = kh (x3' - u') - (kh / bh) z
 
 x is the motion into the sample, f the motor's force `delay` after the command, z the hand: a spring kh in series with a
-damper bh (Maxwell), whose far end moves at the hand's own speed u'.  From f to x3'' that is a transfer function of order 7 and
-relative degree 4, as the paper's empirical model of its PHANTOM.  The springs put the first resonance at 130 Hz (its figure 3)
-and the second where `second` says; the masses are a choice of this project, such that a tap that stops the tip rings near the
-66 Hz which the paper reports for wood on foam.  Limits: one direction, no gravity, no dry friction, amplifiers without dynamics.
+damper bh (Maxwell), whose far end moves at the hand's own speed u'.  From f to x3'' that is a transfer
+function of order 7 and
+relative degree 4, as the paper's empirical model of its PHANTOM.  The springs put the first resonance at 130
+Hz (its figure 3)
+and the second where `second` says; the masses are a choice of this project, such that a tap that stops the tip
+rings near the
+66 Hz which the paper reports for wood on foam.  Limits: one direction, no gravity, no dry friction, amplifiers
+without dynamics.
 """
 
 from __future__ import annotations
@@ -68,7 +72,8 @@ class Stylus:
         return float(k1), float(product / k1)
 
     def matrices(self) -> tuple[np.ndarray, np.ndarray]:
-        """(7, 7) and (7, 3): state (x1 x2 x3 v1 v2 v3 z), inputs (motor force N, force on the tip N, hand's speed m/s)."""
+        """(7, 7) and (7, 3): state (x1 x2 x3 v1 v2 v3 z), inputs (motor force N, force on the tip N, hand's
+        speed m/s)."""
         (m1, m2, m3), (c1, c2, c3), (k1, k2) = self.masses, self.dampings, self.springs
         kh, bh = self.hand_stiffness, self.hand_damping
         a, b = np.zeros((7, 7)), np.zeros((7, 3))
@@ -81,7 +86,8 @@ class Stylus:
         return a, b
 
     def transfer(self, frequency: np.ndarray) -> np.ndarray:
-        """(n,) complex, (m/s2)/N: acceleration of the tip over commanded force at `frequency` (n,) Hz, delay included."""
+        """(n,) complex, (m/s2)/N: acceleration of the tip over commanded force at `frequency` (n,) Hz, delay
+        included."""
         a, b = self.matrices()
         s = 2j * np.pi * np.asarray(frequency, dtype=float)
         states = np.linalg.solve(s[:, None, None] * np.eye(7) - a, np.broadcast_to(b[:, :1], (len(s), 7, 1)))

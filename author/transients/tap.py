@@ -6,10 +6,12 @@ A real sample pushes the stylus's tip back with Hunt and Crossley's law (1975) f
 
     f = k d (1 + lambda d') >= 0,
 
-d the tip's depth against the sample's top; a block of wood on foam has a mass of its own between that spring and the foam's.
+d the tip's depth against the sample's top; a block of wood on foam has a mass of its own between that spring
+and the foam's.
 A rendering reads the motor's encoder at the loop's rate and commands a force, which the motor gives `delay` later and
 holds.  The hand goes on at the speed that it had: a person takes 100 ms to react, longer than what is simulated.
-Between commands the linear part moves by its exact matrix exponential in `SUBSTEPS` steps, contact forces held over each.
+Between commands the linear part moves by its exact matrix exponential in `SUBSTEPS` steps, contact forces held
+over each.
 All taps of a call move at once, as columns.
 """
 
@@ -22,7 +24,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.signal import cont2discrete, dlsim
 
-from palpate.author.transients.stylus import V1, V2, V3, X1, X2, X3, Z, Stylus
+from palpate.author.transients.stylus import V1, V2, V3, X1, X2, X3, Stylus, Z
 
 __all__ = ["RealSample", "Taps", "swept", "tapped"]
 
@@ -49,8 +51,10 @@ class RealSample:
 
 @dataclass(frozen=True)
 class Taps:
-    """Attributes: rate Hz; time (n,) s, 0 where the tip first touches; velocity (taps,) m/s before contact; acceleration
-    (taps, n) m/s2 of the tip, positive into the sample; depth (taps, n) m, of the tip; command (taps, n) N, the motor's,
+    """Attributes: rate Hz; time (n,) s, 0 where the tip first touches; velocity (taps,) m/s before contact;
+    acceleration
+    (taps, n) m/s2 of the tip, positive into the sample; depth (taps, n) m, of the tip; command (taps, n) N,
+    the motor's,
     positive into the sample, cut at the amplifier's limit; saturated (taps,) bool."""
 
     rate: float
@@ -70,7 +74,8 @@ def tapped(
     duration: float = 0.12,
     seed: int | None = None,
 ) -> Taps:
-    """Taps at `velocity` (taps,) m/s for `duration` s after contact; with `seed`, accelerations carry the sensor's noise."""
+    """Taps at `velocity` (taps,) m/s for `duration` s after contact; with `seed`, accelerations carry the
+    sensor's noise."""
     velocity = np.atleast_1d(np.asarray(velocity, dtype=float))
     period = 1.0 / stylus.rate
     before = round(APPROACH * stylus.rate)
@@ -147,7 +152,9 @@ def _driven(
             at += 1
             if sample is not None:
                 d = state[X3] - block
-                inputs[1] = -np.maximum(0.0, sample.stiffness * np.maximum(d, 0.0) * (1.0 + sample.loss * (state[V3] - speed)))
+                inputs[1] = -np.maximum(
+                    0.0, sample.stiffness * np.maximum(d, 0.0) * (1.0 + sample.loss * (state[V3] - speed))
+                )
                 if sample.block > 0.0:
                     push_down = -inputs[1] - sample.foam * block - sample.foam_damping * speed
                     speed = speed + step / sample.block * push_down

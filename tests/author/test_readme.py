@@ -51,6 +51,7 @@ def test_the_readme_lists_the_registered_commands_and_no_others() -> None:
     visible = {
         info.callback.__name__ for info in app.registered_commands if info.callback and not info.hidden
     }
+    visible |= {group.name for group in app.registered_groups if group.name}
     assert told == visible
 
 

@@ -97,13 +97,18 @@ Device = Annotated[
 
 
 @app.command()
-def plan(scene: SceneFile, workers: Workers = None, as_json: Json = False) -> None:
-    """Show what will be meshed, pressed and stored, and what it costs."""
+def plan(
+    scene: SceneFile,
+    workers: Workers = None,
+    tool: Annotated[str, typer.Option("--tool", metavar="NAME", help="one tool only")] = "",
+    as_json: Json = False,
+) -> None:
+    """Show what will be meshed, pressed and stored, and what each effect, tool and region adds."""
 
     def work() -> Answer:
         from palpate.author.plan import plan as planned
 
-        return planned(ready_scene(scene), workers)
+        return planned(ready_scene(scene), workers, tool)
 
     _end(work, as_json)
 

@@ -7,9 +7,10 @@ Presses: interpolating from N nodes over 148 cm2 of a liver left errors at the 9
 
     error = 5.9 % (N / 200)^-1.4         so     N = 200 (area / 148 cm2) (5.9 % / error)^(1 / 1.4)
 
-An estimate to plan with, right to a factor of two; what an asset reaches is measured on held-out presses.  It is the
-most that a tool presses: sampling by error (sampling_by_error.py) begins with SEEDS of it and ends as soon as its own
-estimate of the error allows.  A region asks for more, around its border.
+It is the most that a tool presses: sampling by error (sampling_by_error.py) begins with SEEDS of it and ends as soon as
+its own estimate of the error allows, in between.  Measured: 10 of 8 to 12 (the shipped block), 103 to 159 of 44 to 294
+(known reaches of 150 cm2), so what is expected is the geometric mean of both.  A region asks for more, around its
+border.  All is an estimate to plan with; what an asset reaches is measured on held-out presses.
 """
 
 from __future__ import annotations
@@ -18,20 +19,44 @@ import math
 from collections.abc import Iterable
 
 __all__ = [
+    "BUDGET_TO_PRESS",
     "NODES_AT_LEAST",
     "PRESS_SECONDS",
+    "REGION_EXPECTED",
+    "REGION_SEEDS",
+    "STARTING",
+    "expected_nodes",
+    "far_field_seconds",
+    "fitting_seconds",
+    "meshing_seconds",
     "node_count",
     "press_memory",
+    "press_seconds",
     "region_nodes",
     "seed_count",
     "worker_count",
 ]
 
-PRESS_SECONDS: dict[str, float] = {"linear": 6.0, "near_field": 9.0, "full": 60.0}
-"""CPU seconds of one press (both ladders, its mesh included) by fidelity, on a 2.5 GHz x86 core.
+PRESS_SECONDS: dict[str, float] = {"linear": 6.0, "near_field": 9.0, "full": 45.0}
+"""CPU seconds of one press (its mesh included; held-out ones with two sticking moves) by fidelity, on a 2.5 GHz x86
+core, in an organ of some 12,000 tetrahedra.
 
-Medians of 59 near and 39 full presses, a 5 mm ball 6 mm deep into a liver of 12,000 tetrahedra.
+Means over kept records of a 5 mm ball 4 to 6 mm deep: near field 8.6 (block, 12 presses), 8.5 (liver, 131), 10 to 12
+(kidney, 142); full 24 (block, 3,300 tetrahedra, 4 presses), 39 (kidney, 7,500, 79), 43 (liver, 12,000, 32).
 """
+FULL_PRESS = (17.0, 2.3e-3)
+"""CPU seconds of a full press, (a, b) in a + b T over T tetrahedra of the organ: 25, 34 and 45 for the three above."""
+FAR_FIELD = 49.0, 45_068
+"""CPU seconds of a worker's first look at an organ of so many tetrahedra; goes as the factor's fill, T^(4/3)."""
+MESHING = 2.5e-3
+"""CPU seconds a tetrahedron: repair, tetrahedra, their check.  3 to 5 (3,300), 4 to 17 (7,500), 27 s (12,000)."""
+STARTING = 8.0
+"""CPU seconds before a process presses: libraries, kernels; once more for the process that asks."""
+FITTING = 1000.0
+"""CPU seconds a m2 of reach, for contact geometry, field and files of a tool: 1 to 2, 4 to 5, up to 46 s on 7, 112 and
+291 cm2."""
+BUDGET_TO_PRESS = 0.9
+"""Share of a time budget after which no further node is chosen (pipeline.py)."""
 
 PRESS_MEMORY: dict[str, tuple[float, float]] = {
     "linear": (0.70e9, 2100.0),
@@ -58,8 +83,9 @@ NODES_AT_LEAST = 12
 """Fewest nodes that a field may have (count)."""
 SEEDS, SEEDS_AT_LEAST = 0.15, 8
 """Share of the most nodes that is pressed before errors are estimated; and fewest (count)."""
-REGION_NODES = 60
-"""Nodes more for each region; a nodule of 8 mm, 6 times as stiff, took 25 to 36 (tests/benchmarks/sampling.py)."""
+REGION_SEEDS, REGION_EXPECTED, REGION_NODES = 6, 12, 60
+"""Nodes more for each region to begin with, expected, and at most.  A nodule of 8 mm, 6 times as stiff, took 25 to 36
+at 3.5 % (tests/benchmarks/sampling.py), the one of the shipped block 7 at 8 %."""
 
 
 def seed_count(most: int) -> int:
@@ -70,6 +96,32 @@ def seed_count(most: int) -> int:
 def region_nodes(regions: int) -> int:
     """Nodes more for so many regions."""
     return REGION_NODES * regions
+
+
+def expected_nodes(most: int) -> int:
+    """Nodes when sampling by error ends by itself, of `most`, regions left out."""
+    return round(math.sqrt(seed_count(most) * most))
+
+
+def press_seconds(fidelity: str, tets: int) -> float:
+    """CPU seconds of one press in an organ of `tets` tetrahedra."""
+    return FULL_PRESS[0] + FULL_PRESS[1] * tets if fidelity == "full" else PRESS_SECONDS[fidelity]
+
+
+def far_field_seconds(tets: int) -> float:
+    """CPU seconds of one worker, once."""
+    seconds, at = FAR_FIELD
+    return seconds * (tets / at) ** (4.0 / 3.0)
+
+
+def meshing_seconds(tets: int) -> float:
+    """CPU seconds from surface file to tetrahedra."""
+    return MESHING * tets
+
+
+def fitting_seconds(area: float) -> float:
+    """CPU seconds of one tool's field over `area` m2, files and judgement included."""
+    return FITTING * area
 
 
 def node_count(area: float, force_tolerance: float) -> int:

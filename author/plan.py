@@ -9,22 +9,16 @@ from typing import Any
 from rich.table import Table
 
 from palpate.author.console import Answer, table_of
-from palpate.author.effort import (
-    PRESS_SECONDS,
-    node_count,
-    press_memory,
-    region_nodes,
-    seed_count,
-    worker_count,
-)
+from palpate.author.effort import press_memory, worker_count
 from palpate.author.material_range import refuse_unstable_materials
 from palpate.author.memory import available_memory
 from palpate.author.organ_check import OrganSummary, check_against_organ
 from palpate.author.organ_parts import organ_parts, rough_summary
 from palpate.author.paint import read_paint
+from palpate.author.plan_costs import added_by, tool_row, with_time
 from palpate.author.press_executor import core_count
 from palpate.author.scene import Scene
-from palpate.author.scene_tables import EFFECTS, Tool
+from palpate.author.scene_tables import EFFECTS
 
 __all__ = ["fidelities_of", "plan", "planned_mesh_size"]
 
@@ -42,15 +36,17 @@ def planned_mesh_size(scene: Scene, organ: OrganSummary) -> float:
     return scene.organ.mesh_size or MESH_SIZE_SHARE * float((organ.size**2).sum() ** 0.5)
 
 
-def plan(scene: Scene, workers: int | None = None) -> Answer:
+def plan(scene: Scene, workers: int | None = None, tool: str = "") -> Answer:
     """The plan of `scene`.
 
     Args:
+        tool: name of the only one; all when empty.
         workers: processes that press; one for each core when absent.  Fewer where memory does not hold them.
 
     Raises:
         InputError: the scene does not fit its organ.
     """
+    chosen = scene.tool if not tool else (scene.tool_named(tool),)
     parts = organ_parts(scene)
     organ, taken_from = rough_summary(parts)
     check_against_organ(scene, organ)
@@ -59,13 +55,14 @@ def plan(scene: Scene, workers: int | None = None) -> Answer:
     reach_share = organ.share_within(scene.reach, paint) if scene.reach.is_given or paint else 1.0
     reach_area = reach_share * organ.area
     mesh_size = planned_mesh_size(scene, organ)
-    tools = [_tool(scene, tool, reach_area) for tool in scene.tool]
-    cpu_seconds = sum(tool["cpu_seconds"] for tool in tools)
     # a regular tetrahedron of edge h has the volume h^3 / (6 sqrt 2)
     tets = round(organ.volume * 6.0 * 2.0**0.5 / mesh_size**3)
     cores = core_count()
     peak, available = press_memory(tets, fidelities_of(scene)), available_memory()
     count, limited = worker_count(peak, available, cores, workers)
+    tools = [tool_row(scene, one, reach_area, tets) for one in chosen]
+    cpu_seconds, seconds = with_time(tools, tets, min(count, cores), scene.accuracy.time_budget)
+    added = added_by(scene, chosen, tools, reach_area)
     result: dict[str, Any] = {
         "scene": scene.name,
         "mesh": {
@@ -94,7 +91,9 @@ def plan(scene: Scene, workers: int | None = None) -> Answer:
         "cpu_seconds": cpu_seconds,
         "cores": cores,
         "workers": count,
-        "seconds": cpu_seconds / min(count, cores),
+        "seconds": seconds,
+        "time_budget": scene.accuracy.time_budget,
+        "added": added,
         "memory": {
             "worker": peak,
             "workers": count * peak,
@@ -102,33 +101,12 @@ def plan(scene: Scene, workers: int | None = None) -> Answer:
             "limited": limited,
         },
     }
-    return Answer(result, [_summary(result), _tool_table(tools)])
+    return Answer(result, [_summary(result), _tool_table(tools), _added_table(added)])
 
 
 def fidelities_of(scene: Scene) -> set[str]:
     """What is pressed; held-out presses are full, whatever builds the field."""
     return {scene.accuracy.fidelity} | ({"full"} if scene.accuracy.held_out else set())
-
-
-def _tool(scene: Scene, tool: Tool, area: float) -> dict[str, Any]:
-    nodes = node_count(area, scene.accuracy.force_tolerance)
-    seeds = seed_count(nodes)
-    nodes += region_nodes(len(scene.organ.region))
-    # of a family each radius is pressed at every node, of several tilts each but upright in both leans
-    members = len(tool.radius or (0,)) * (2 * len(tool.tilt or (0,)) - 1)
-    return {
-        "name": tool.name,
-        "shape": tool.shape,
-        "radius": list(tool.radius or ()),
-        "depth_max": scene.depth_max(tool),
-        "friction": tool.friction if "friction" in scene.effects else None,
-        "seeds": seeds,
-        "nodes": nodes,
-        "held_out": scene.accuracy.held_out,
-        "presses": members * nodes + scene.accuracy.held_out,
-        "cpu_seconds": members * nodes * PRESS_SECONDS[scene.accuracy.fidelity]
-        + scene.accuracy.held_out * PRESS_SECONDS["full"],
-    }
 
 
 def _summary(result: dict[str, Any]) -> str:
@@ -169,18 +147,32 @@ def _summary(result: dict[str, Any]) -> str:
 
 
 def _tool_table(tools: list[dict[str, Any]]) -> Table:
-    table = table_of("tool", "shape", "depth (mm)", "seeds", "nodes at most", "held out", "presses", "CPU")
+    table = table_of("tool", "shape", "depth (mm)", "seeds", "nodes", "at most", "held out")
     for tool in tools:
         table.add_row(
             tool["name"],
             tool["shape"],
             f"{1e3 * tool['depth_max']:.1f}",
             str(tool["seeds"]),
+            str(tool["pressed"]),
             str(tool["nodes"]),
             str(tool["held_out"]),
-            str(tool["presses"]),
-            _minutes(tool["cpu_seconds"]),
         )
+    return table
+
+
+def _added_table(added: dict[str, list[dict[str, Any]]]) -> Table:
+    table = table_of("it adds", "", "presses", "CPU", "bytes", "ns a tick")
+    for kind, rows in added.items():
+        for row in rows:
+            numbers = (
+                ("presses", str),
+                ("cpu_seconds", _minutes),
+                ("bytes", lambda size: f"{1e-3 * size:.0f} kB"),
+                ("tick_ns", lambda ns: f"{ns:.0f}"),
+            )
+            shown = ["not known" if row[key] is None else told(row[key]) for key, told in numbers]
+            table.add_row(kind.removesuffix("s"), row["name"], *shown)
     return table
 
 

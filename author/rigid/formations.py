@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""The table of valid contact formations of a pair of bodies: sets of principal contacts that a pose without penetration has.
+
+Poses are drawn at random, half of them with a face or axis of one body along one of the other; then, a few times over, some of
+the contacts that lie within a wider threshold are drawn to half of eps at once (Gauss-Newton steps of least norm on the six
+degrees of freedom).  What such a pose touches without going below zero gap is a valid formation by construction.  The table is as
+complete as the search: `news` tells how often its last quarter still met something new.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palpate.author.rigid.body import Body
+from palpate.author.rigid.cook import cooked_rigid
+from palpate.author.rigid.law import LUO_XIAO, Law
+from palpate.runtime.rigid import Rigid
+
+__all__ = ["FormationTable", "formation_table", "keys_of", "quaternion"]
+
+
+@dataclass(frozen=True)
+class FormationTable:
+    """Attributes:
+    formations: rising keys (held element << 16 | fixed element) of each.
+    news: fraction of the last quarter of the poses in contact whose formation was new.
+    poses: how many were in contact.
+    """
+
+    formations: tuple[tuple[int, ...], ...]
+    news: float
+    poses: int
+
+
+def formation_table(held: Body, fixed: Body, law: Law = LUO_XIAO, samples: int = 20_000, seed: int = 1) -> FormationTable:
+    """Searches valid formations with `samples` drawn poses."""
+    exact = Rigid(cooked_rigid(held, fixed, 1.0, law))
+    small = min(held.smallest, fixed.smallest)
+    wide = replace(law, threshold=min(6 * law.threshold, 0.3 * small), depth_max=min(6 * law.threshold, 0.4 * small))
+    wide = replace(wide, depth_max=max(wide.threshold, wide.depth_max))
+    search = Rigid(cooked_rigid(held, fixed, 1.0, wide))
+    rng = np.random.default_rng(seed)
+    position, orientation = _drawn(held, fixed, samples, rng)
+    for _ in range(14):
+        found = search.identify(position, orientation)
+        position, orientation = _drawn_together(found, position, orientation, 0.5 * law.threshold, rng)
+    seen: dict[tuple[int, ...], int] = {}
+    order = []
+    found = exact.identify(position, orientation)
+    for row in found:
+        count = row["contact_count"]
+        gaps = row["contact"]["gap"][:count]
+        if count == 0 or row["status"] != 0 or gaps.min() < 0:
+            continue
+        keys = keys_of(row)
+        order.append(keys not in seen)
+        seen[keys] = seen.get(keys, 0) + 1
+    last = order[-max(1, len(order) // 4) :]
+    return FormationTable(tuple(sorted(seen)), float(np.mean(last)) if last else 0.0, len(order))
+
+
+def keys_of(response: np.void) -> tuple[int, ...]:
+    """The rising keys of a response's formation."""
+    contacts = response["contact"][: response["contact_count"]]
+    return tuple(sorted(int(h) << 16 | int(f) for h, f in zip(contacts["held_element"], contacts["fixed_element"], strict=True)))
+
+
+def quaternion(matrix: np.ndarray) -> np.ndarray:
+    """(n, 4) x y z w of rotation matrices (n, 3, 3)."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(matrix).as_quat()
+
+
+def _drawn(held: Body, fixed: Body, samples: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Poses with one of the held body's elements near one of the fixed body's, half of them lined up."""
+    from scipy.spatial.transform import Rotation
+
+    rotation = Rotation.random(samples, rng).as_matrix()
+    ours = np.array([_direction(e) for e in held.elements])
+    theirs = np.array([_direction(e) for e in fixed.elements])
+    a, b = rng.integers(len(ours), size=samples), rng.integers(len(theirs), size=samples)
+    for i in np.nonzero(rng.random(samples) < 0.7)[0]:
+        first = -theirs[b[i]] if rng.random() < 0.8 else theirs[b[i]]
+        spin = theirs[rng.integers(len(theirs))] if rng.random() < 0.5 else rng.normal(size=3)
+        side = ours[rng.integers(len(ours))]
+        rotation[i] = _frame(first, spin) @ _frame(ours[a[i]], side).T
+    at = np.array([e.ball[0] - held.centre for e in held.elements])[a]
+    to = np.array([e.ball[0] for e in fixed.elements])[b]
+    reach = np.array([min(e.ball[1], 0.5) for e in fixed.elements])[b]
+    scatter = rng.uniform(-1, 1, (samples, 3)) * np.minimum(reach, 0.15)[:, None] * rng.choice([0.1, 1.0], samples)[:, None]
+    return to + scatter - np.einsum("nij,nj->ni", rotation, at), quaternion(rotation)
+
+
+def _direction(e) -> np.ndarray:
+    return e.normal[0] if e.kind == "segment" else e.axis
+
+
+def _frame(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    third = np.cross(first, second)
+    if np.linalg.norm(third) < 1e-6:
+        third = np.cross(first, np.eye(3)[int(np.argmin(np.abs(first)))])
+    third = third / np.linalg.norm(third)
+    return np.stack([first, np.cross(third, first), third], axis=1)
+
+
+def _drawn_together(found, position, orientation, gap, rng):
+    """One Gauss-Newton step towards `gap` at contacts taken with probability 0.8; turns are small."""
+    from scipy.spatial.transform import Rotation
+
+    contacts = found["contact"]
+    there = (np.arange(8) < found["contact_count"][:, None]) & (rng.random(contacts.shape) < 0.8)
+    arm = contacts["point"] - position[:, None]
+    rows = np.concatenate([contacts["normal"], np.cross(arm, contacts["normal"]) / 0.02], axis=2) * there[..., None]
+    wanted = (gap - contacts["gap"]) * there
+    step = np.einsum("nij,nj->ni", np.linalg.pinv(rows, rcond=1e-3), wanted)
+    length = np.maximum(1.0, np.linalg.norm(step, axis=1, keepdims=True) / 0.01)
+    step = step / length
+    turn = Rotation.from_rotvec(step[:, 3:] / 0.02) * Rotation.from_quat(orientation)
+    return position + step[:, :3], turn.as_quat()

@@ -37,6 +37,7 @@ from palpate.author.arguments import (
 )
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.rigid_command import rigid
 from palpate.author.scan_command import detect, scan
 from palpate.author.transients_command import transients
 
@@ -455,6 +456,7 @@ def doctor(as_json: Json = False) -> None:
 
 app.command()(scan)
 app.command()(detect)
+app.command()(rigid)
 
 
 @app.command(hidden=True)

@@ -62,6 +62,8 @@ DIMENSIONS: dict[str, tuple[Exponents, str, str]] = {
     "force": (_FORCE, "N", "3.3 N"),
     "pressure": (_PRESSURE, "Pa", "5 kPa"),
     "pressure per length": ((-2, 1, -2, 0), "Pa/m", "2 kPa/mm"),
+    "mass": (_MASS, "kg", "0.5 kg"),
+    "stiffness": ((0, 1, -2, 0), "N/m", "2.3 N/mm"),
     "damping": ((0, 1, -1, 0), "N s/m", "5 N s/m"),
     "fraction": (_NUMBER, "1", "3.5 %"),
 }

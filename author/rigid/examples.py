@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""Luo and Xiao's three examples and three tests as scenes: a motion, what the hand feels, and what has to come out of it."""
+"""Luo and Xiao's three examples and three tests as scenes: a motion and what has to come out of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import fsolve
@@ -75,7 +76,7 @@ def example_named(name: str) -> Example:
 def _along(*stops: tuple[float, float, float], ticks: int = 400) -> np.ndarray:
     """Straight lines from stop to stop, (n, 3) m, smooth at both ends."""
     s = 0.5 - 0.5 * np.cos(np.linspace(0, np.pi, ticks))
-    legs = [np.array(a) + s[:, None] * (np.array(b) - a) for a, b in zip(stops, stops[1:], strict=False)]
+    legs = [np.array(a) + s[:, None] * (np.array(b) - a) for a, b in pairwise(stops)]
     return np.concatenate(legs)
 
 
@@ -95,16 +96,31 @@ def _counts(out: np.ndarray, *regions: int) -> np.ndarray:
 def peg_and_hole() -> Example:
     x, y = 0.02, 0.02  # from the middle of the hole to where face meets wall
     deep = 0.4e-3
-    path = _along((0, 0, 0.06), (0, 0, 0), (x - EPS + deep, 0, 0), (x - EPS + deep, y - EPS + deep, 0), (x - EPS + deep, y - EPS + deep, 0.012))
+    path = _along(
+        (0, 0, 0.06),
+        (0, 0, 0),
+        (x - EPS + deep, 0, 0),
+        (x - EPS + deep, y - EPS + deep, 0),
+        (x - EPS + deep, y - EPS + deep, 0.012),
+    )
 
     def checks(responses):
         out = responses[""]
         wall, corner = _counts(out, Region.PLANE), _counts(out, Region.PLANE, Region.PLANE)
         last = out[-100]
         return [
-            ("a face meets a wall, then two faces two walls", wall.any() and corner.any() and wall.argmax() < corner.argmax()),
-            ("each wall pushes with K (eps - d)", np.allclose(last["contact_force"][:2], -K * deep, rtol=1e-6)),
-            ("pulled up, two walls hold back with mu_D N each", np.isclose(last["contact_force"][2], -2 * MU_D * K * deep, rtol=1e-3)),
+            (
+                "a face meets a wall, then two faces two walls",
+                wall.any() and corner.any() and wall.argmax() < corner.argmax(),
+            ),
+            (
+                "each wall pushes with K (eps - d)",
+                np.allclose(last["contact_force"][:2], -K * deep, rtol=1e-6),
+            ),
+            (
+                "pulled up, two walls hold back with mu_D N each",
+                np.isclose(last["contact_force"][2], -2 * MU_D * K * deep, rtol=1e-3),
+            ),
             ("the new wall is a motion that gains a contact", Motion.GAINED in out["motion"]),
         ]
 
@@ -146,12 +162,20 @@ def pen_and_bowl() -> Example:
     def checks(responses):
         out = responses[""]
         both = out[300:]
-        kinds = {tuple(sorted(zip(r["contact"]["held_element"][:2], r["contact"]["fixed_element"][:2], strict=True))) for r in both}
+        kinds = {
+            tuple(
+                sorted(zip(r["contact"]["held_element"][:2], r["contact"]["fixed_element"][:2], strict=True))
+            )
+            for r in both
+        }
         first = len(body.elements)
         return [
             ("tip in the bowl and shaft on its rim, all the way", kinds == {((0, first + 2), (3, first))}),
             ("two point contacts", bool(_counts(both, Region.POINT, Region.POINT).all())),
-            ("each pushes with K (eps - d)", np.allclose(both["contact"]["normal_force"][:, :2], K * deep, rtol=0.05)),
+            (
+                "each pushes with K (eps - d)",
+                np.allclose(both["contact"]["normal_force"][:, :2], K * deep, rtol=0.05),
+            ),
             ("the tip slides with mu_D", both["contact"]["sliding"][-1, :2].any()),
         ]
 
@@ -173,9 +197,18 @@ def cylinder_and_pipe() -> Example:
         line, two = _counts(out, Region.LINE), _counts(out, Region.LINE, Region.LINE)
         drag = out[600]
         return [
-            ("lies along one pipe in a line, then meets the other in a second line", line.any() and two.any()),
-            ("dragged, the line holds back with mu_D N", np.isclose(drag["contact_force"][0], MU_D * K * deep, rtol=1e-3)),
-            ("the second line pushes along the first pipe", out["contact_force"][two, 0].max() > 0.9 * K * deep),
+            (
+                "lies along one pipe in a line, then meets the other in a second line",
+                line.any() and two.any(),
+            ),
+            (
+                "dragged, the line holds back with mu_D N",
+                np.isclose(drag["contact_force"][0], MU_D * K * deep, rtol=1e-3),
+            ),
+            (
+                "the second line pushes along the first pipe",
+                out["contact_force"][two, 0].max() > 0.9 * K * deep,
+            ),
             ("leaving it is a motion that breaks a contact", Motion.CHANGED in out["motion"]),
         ]
 
@@ -200,8 +233,14 @@ def ball_on_two_cylinders() -> Example:
         return [
             ("both cylinders are kept", bool(_counts(out, Region.POINT, Region.POINT).all())),
             ("F_z goes from negative to positive", f[0, 2] < 0 < f[-1, 2]),
-            ("F_x and F_y first grow, then fall", 100 < top < len(out) - 100 and side[top] > 1.05 * max(side[0], side[-1])),
-            ("all along it slides, within mu_D N of the normal forces' sum", np.linalg.norm(f[-1] - normal) < 2.05 * MU_D * K * deep),
+            (
+                "F_x and F_y first grow, then fall",
+                100 < top < len(out) - 100 and side[top] > 1.05 * max(side[0], side[-1]),
+            ),
+            (
+                "all along it slides, within mu_D N of the normal forces' sum",
+                np.linalg.norm(f[-1] - normal) < 2.05 * MU_D * K * deep,
+            ),
         ]
 
     return Example("ball on two cylinders", sphere(0.02), CROSS, _still(path), checks)
@@ -211,7 +250,9 @@ def rotation_about_a_point() -> Example:
     deep, arm = 0.5 * EPS, 0.025
     rod = cylinder(0.02, 0.08)
     bar = cylinder(0.02, 0.2).moved(ALONG_X, np.zeros(3))
-    angle = np.concatenate([np.zeros(200), np.radians(40) * (0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 1200)))])
+    angle = np.concatenate(
+        [np.zeros(200), np.radians(40) * (0.5 - 0.5 * np.cos(np.linspace(0, np.pi, 1200)))]
+    )
     turn = Rotation.from_rotvec(angle[:, None] * [0, 0, 1])
     lying = turn * Rotation.from_euler("x", 90, degrees=True)  # its axis across the bar
     height = np.concatenate([np.linspace(3e-3, 0, 200), np.zeros(1200)])
@@ -226,8 +267,14 @@ def rotation_about_a_point() -> Example:
         return [
             ("the normal force is constant", np.allclose(f[:, 2], K * deep, rtol=1e-3)),
             ("the object turns about a contact point that rests", np.mean(turning == Case.TURNING) > 0.95),
-            ("friction is static, within its cone", not out["contact"]["sliding"][:, 0].any() and across.max() <= MU * K * deep),
-            ("the lever's torque turns with the object", m[-1, 1] * m[300, 1] > 0 and abs(m[-1, 1]) > 3 * abs(m[300, 1])),
+            (
+                "friction is static, within its cone",
+                not out["contact"]["sliding"][:, 0].any() and across.max() <= MU * K * deep,
+            ),
+            (
+                "the lever's torque turns with the object",
+                m[-1, 1] * m[300, 1] > 0 and abs(m[-1, 1]) > 3 * abs(m[300, 1]),
+            ),
         ]
 
     return Example("rotation about a point", rod, bar, (centre, lying.as_quat()), checks)
@@ -244,7 +291,9 @@ def guarded_hit() -> Example:
         return _still(np.stack([x, 0 * t, z], axis=1), lying)
 
     def checks(responses):
-        hits = {name: out[out["motion"] == Motion.GUARDED][0]["contact"][0] for name, out in responses.items()}
+        hits = {
+            name: out[out["motion"] == Motion.GUARDED][0]["contact"][0] for name, out in responses.items()
+        }
         stuck, slid = hits[""], hits["with acceleration"]
         return [
             ("without acceleration it sticks", stuck["sliding"] == 0),
@@ -255,7 +304,14 @@ def guarded_hit() -> Example:
         ]  # fmt: skip
 
     return Example(
-        "guarded hit", cylinder(0.02, 0.08), plane(1, 1), path(0.0), checks, dt, 2e-3, {"with acceleration": path(2.0)}
+        "guarded hit",
+        cylinder(0.02, 0.08),
+        plane(1, 1),
+        path(0.0),
+        checks,
+        dt,
+        2e-3,
+        {"with acceleration": path(2.0)},
     )
 
 

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of valid contact formations of a pair of bodies: sets of principal contacts that a pose without penetration has.
+"""The table of valid contact formations of a pair of bodies: principal contacts that one pose without penetration has.
 
-Poses are drawn at random, half of them with a face or axis of one body along one of the other; then, a few times over, some of
-the contacts that lie within a wider threshold are drawn to half of eps at once (Gauss-Newton steps of least norm on the six
-degrees of freedom).  What such a pose touches without going below zero gap is a valid formation by construction.  The table is as
-complete as the search: `news` tells how often its last quarter still met something new.
+Poses are drawn at random, half of them with a face or axis of one body along one of the other; then, a few times over,
+some of the contacts within a wider threshold are drawn to half of eps at once (Gauss-Newton steps of least norm on the
+six degrees of freedom).  What such a pose touches without going below zero gap is a valid formation by construction.
+The table is as complete as the search: `news` tells how often its last quarter still met something new.
 """
 
 from __future__ import annotations
@@ -35,11 +35,15 @@ class FormationTable:
     poses: int
 
 
-def formation_table(held: Body, fixed: Body, law: Law = LUO_XIAO, samples: int = 20_000, seed: int = 1) -> FormationTable:
+def formation_table(
+    held: Body, fixed: Body, law: Law = LUO_XIAO, samples: int = 20_000, seed: int = 1
+) -> FormationTable:
     """Searches valid formations with `samples` drawn poses."""
     exact = Rigid(cooked_rigid(held, fixed, 1.0, law))
     small = min(held.smallest, fixed.smallest)
-    wide = replace(law, threshold=min(6 * law.threshold, 0.3 * small), depth_max=min(6 * law.threshold, 0.4 * small))
+    wide = replace(
+        law, threshold=min(6 * law.threshold, 0.3 * small), depth_max=min(6 * law.threshold, 0.4 * small)
+    )
     wide = replace(wide, depth_max=max(wide.threshold, wide.depth_max))
     search = Rigid(cooked_rigid(held, fixed, 1.0, wide))
     rng = np.random.default_rng(seed)
@@ -65,7 +69,12 @@ def formation_table(held: Body, fixed: Body, law: Law = LUO_XIAO, samples: int =
 def keys_of(response: np.void) -> tuple[int, ...]:
     """The rising keys of a response's formation."""
     contacts = response["contact"][: response["contact_count"]]
-    return tuple(sorted(int(h) << 16 | int(f) for h, f in zip(contacts["held_element"], contacts["fixed_element"], strict=True)))
+    return tuple(
+        sorted(
+            int(h) << 16 | int(f)
+            for h, f in zip(contacts["held_element"], contacts["fixed_element"], strict=True)
+        )
+    )
 
 
 def quaternion(matrix: np.ndarray) -> np.ndarray:
@@ -91,7 +100,11 @@ def _drawn(held: Body, fixed: Body, samples: int, rng: np.random.Generator) -> t
     at = np.array([e.ball[0] - held.centre for e in held.elements])[a]
     to = np.array([e.ball[0] for e in fixed.elements])[b]
     reach = np.array([min(e.ball[1], 0.5) for e in fixed.elements])[b]
-    scatter = rng.uniform(-1, 1, (samples, 3)) * np.minimum(reach, 0.15)[:, None] * rng.choice([0.1, 1.0], samples)[:, None]
+    scatter = (
+        rng.uniform(-1, 1, (samples, 3))
+        * np.minimum(reach, 0.15)[:, None]
+        * rng.choice([0.1, 1.0], samples)[:, None]
+    )
     return to + scatter - np.einsum("nij,nj->ni", rotation, at), quaternion(rotation)
 
 
@@ -114,7 +127,10 @@ def _drawn_together(found, position, orientation, gap, rng):
     contacts = found["contact"]
     there = (np.arange(8) < found["contact_count"][:, None]) & (rng.random(contacts.shape) < 0.8)
     arm = contacts["point"] - position[:, None]
-    rows = np.concatenate([contacts["normal"], np.cross(arm, contacts["normal"]) / 0.02], axis=2) * there[..., None]
+    rows = (
+        np.concatenate([contacts["normal"], np.cross(arm, contacts["normal"]) / 0.02], axis=2)
+        * there[..., None]
+    )
     wanted = (gap - contacts["gap"]) * there
     step = np.einsum("nij,nj->ni", np.linalg.pinv(rows, rcond=1e-3), wanted)
     length = np.maximum(1.0, np.linalg.norm(step, axis=1, keepdims=True) / 0.01)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Poses whose contact formation is known from how they are built, and how many of them the runtime names rightly.
 
-Gaps lie between 0.25 and 0.75 eps, other elements at least 2 eps away.  Noise moves no point of the held object by more than a tenth of
-eps by translation and as much again by rotation.
+Gaps lie between 0.25 and 0.75 eps, other elements at least 2 eps away.  Noise moves no point of the held object by
+more than a tenth of eps by translation, and as much again by rotation.
 """
 
 from __future__ import annotations

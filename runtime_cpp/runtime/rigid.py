@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from palpate.runtime.library import RuntimeFailure, check, library, shared_library
 
 __all__ = [
-    "RESPONSE", "STATE", "Case", "Motion", "Region", "Rigid", "RigidConfig", "RigidSession", "Status", "add_wrenches", "bench_rigid",
-    "tick_text",
+    "RESPONSE", "STATE", "Case", "Motion", "Region", "Rigid", "RigidConfig", "RigidSession", "Status",
+    "add_wrenches", "bench_rigid", "tick_text",
 ]  # fmt: skip
 
 
@@ -253,11 +253,19 @@ def _states(positions: ArrayLike, orientations: ArrayLike, dt: ArrayLike, flags:
     return states
 
 
-def bench_rigid(rigid: Rigid, positions: ArrayLike, orientations: ArrayLike, dt: float = 1e-3) -> dict[str, np.ndarray]:
+def bench_rigid(
+    rigid: Rigid, positions: ArrayLike, orientations: ArrayLike, dt: float = 1e-3
+) -> dict[str, np.ndarray]:
     """Times a motion tick by tick, each the fastest of five runs: {"identify": (n,) ns, "tick": (n,) ns}."""
     timing = ctypes.CDLL(str(shared_library("palpate_bench")))
     timing.palpate_bench_rigid.restype = ctypes.c_int
-    timing.palpate_bench_rigid.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p, ctypes.c_void_p]
+    timing.palpate_bench_rigid.argtypes = [
+        ctypes.c_void_p,
+        ctypes.c_void_p,
+        ctypes.c_size_t,
+        ctypes.c_void_p,
+        ctypes.c_void_p,
+    ]
     states = _states(positions, orientations, dt, 0)
     identify, tick = np.zeros(len(states)), np.zeros(len(states))
     check(

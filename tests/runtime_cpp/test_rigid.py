@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rigid contact against closed forms of rigid-body mechanics."""
 
+import zlib
 from dataclasses import replace
 
 import numpy as np
@@ -296,3 +297,25 @@ def test_damaged_bytes_are_refused_in_one_sentence():
         changed[at] ^= 1 << int(rng.integers(8))
         with pytest.raises(RuntimeFailure):
             Rigid(bytes(changed))
+
+
+def test_hostile_bytes_with_a_right_checksum_are_refused_or_rendered_finite():
+    data = cooked_rigid(box((0.04, 0.06, 0.02)), cylinder(0.02, 0.2), MASS, formations=((0, 1),))
+    rng = np.random.default_rng(4)
+    opened = 0
+    for _ in range(400):
+        changed = bytearray(data)
+        for at in rng.integers(24, len(data), rng.integers(1, 4)):
+            changed[at] = int(rng.integers(256))
+        changed[16:20] = bytes(4)
+        changed[16:20] = zlib.crc32(bytes(changed)).to_bytes(4, "little")
+        try:
+            rigid = Rigid(bytes(changed))
+        except RuntimeFailure:
+            continue
+        opened += 1
+        s = RigidSession(rigid)
+        path = np.array([0, 0, 0.14]) - np.linspace(0, 0.06, 40)[:, None] * np.array([0.2, 0.1, 1])
+        out = s.tick_batch(path, np.array([turn_about([1, 1, 0], 0.02 * i) for i in range(40)]))
+        assert np.all(np.isfinite(out["force"])) and np.all(np.isfinite(out["torque"]))
+    assert opened > 20

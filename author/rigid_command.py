@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""`palpate rigid`: cooks a rigid scene, shows the published examples, checks and times the runtime's rigid contact."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+from palpate.author.console import Answer, answer_of
+from palpate.author.errors import InputError, InputProblem
+
+__all__ = ["rigid"]
+
+
+def rigid(
+    scene: Annotated[
+        Path | None,
+        typer.Argument(metavar="[SCENE]", help="rigid scene (TOML); the published examples when absent"),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="keeps cooked bytes, or pictures of examples")
+    ] = None,
+    samples: Annotated[
+        int,
+        typer.Option("--samples", min=0, metavar="N", help="poses that search valid formations; 0: no table"),
+    ] = 4000,
+    identify: Annotated[
+        int,
+        typer.Option(
+            "--identify", min=0, metavar="N", help="names formations of so many poses that are known"
+        ),
+    ] = 0,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="one JSON object on stdout, everything else on stderr")
+    ] = False,
+) -> None:
+    """Cook a rigid scene; or run the published examples of rigid contact, timed, with pictures."""
+
+    def work() -> Answer:
+        if scene is not None:
+            if identify:
+                raise InputError(
+                    InputProblem("", "--identify", identify, "is for poses of its own", "no SCENE")
+                )
+            if out is None:
+                raise InputError(
+                    InputProblem("", "--out", None, "is missing", "a folder for the cooked scene")
+                )
+            result = _cooked(scene, out, samples)
+            return Answer(
+                result, [f"{result['rigid']}: {result['bytes']} bytes, {result['formations']} formations"]
+            )
+        if identify:
+            from palpate.author.rigid.known_configurations import identified
+
+            known = identified(identify)
+            return Answer(
+                known, [f"{known['right']:.5f} of {known['count']} right"], 0 if _right(known) else 1
+            )
+        result = _examples(out)
+        return Answer(result, [_lines(result)], 0 if result["met"] else 1)
+
+    raise typer.Exit(answer_of(work, as_json))
+
+
+def _right(known: dict[str, Any]) -> bool:
+    return known["right"] >= 0.999
+
+
+def _cooked(path: Path, out: Path, samples: int) -> dict[str, Any]:
+    from palpate.author.rigid.cook import cooked_rigid, element_name
+    from palpate.author.rigid.formations import formation_table
+    from palpate.author.rigid.scene import load_rigid_scene
+
+    scene = load_rigid_scene(path)
+    held, fixed = scene.bodies()
+    law, mass = scene.rigid.law, scene.rigid.held.mass
+    cooked_rigid(held, fixed, mass, law)  # refuses before the search
+    table = formation_table(held, fixed, law, samples) if samples else None
+    data = cooked_rigid(held, fixed, mass, law, table.formations if table else ())
+    out.mkdir(parents=True, exist_ok=True)
+    target = out / f"{scene.scene.name}.rigid"
+    target.write_bytes(data)
+    count = len(held.elements) + len(fixed.elements)
+    return {
+        "rigid": str(target),
+        "bytes": len(data),
+        "elements": [element_name(held, fixed, i) for i in range(count)],
+        "formations": len(table.formations) if table else 0,
+        "formation_news": table.news if table else None,
+        "poses_in_contact": table.poses if table else 0,
+        "mass": mass,
+        "centre_of_mass": held.centre,
+        "inertia": held.inertia(mass),
+    }
+
+
+def _examples(out: Path | None) -> dict[str, Any]:
+    from palpate.author.rigid.cook import cooked_rigid
+    from palpate.author.rigid.examples import EXAMPLES, MASS, run_example
+    from palpate.runtime.rigid import Rigid, bench_rigid
+
+    rows = []
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+    for name, make in EXAMPLES.items():
+        example = make()
+        run = run_example(example)
+        if out is not None:
+            from palpate.author.rigid.picture import example_picture
+
+            example_picture(run, out / f"{name}.png")
+        timed = bench_rigid(Rigid(cooked_rigid(example.held, example.fixed, MASS)), *example.path, example.dt)
+        touching = run.responses[""]["contact_count"] > 0
+        rows.append(
+            {
+                "name": name,
+                "outcomes": [{"what": what, "met": bool(met)} for what, met in run.outcomes],
+                "identify_ns": _percentiles(timed["identify"][touching]),
+                "wrench_ns": _percentiles((timed["tick"] - timed["identify"])[touching]),
+            }
+        )
+    return {"examples": rows, "met": all(o["met"] for row in rows for o in row["outcomes"])}
+
+
+def _percentiles(values: np.ndarray) -> dict[str, float]:
+    p50, p99, p999 = np.percentile(values, [50, 99, 99.9])
+    return {
+        "p50": round(float(p50)),
+        "p99": round(float(p99)),
+        "p999": round(float(p999)),
+        "max": round(float(values.max())),
+    }
+
+
+def _lines(result: dict[str, Any]) -> str:
+    lines = []
+    for row in result["examples"]:
+        i, w = row["identify_ns"], row["wrench_ns"]
+        lines.append(
+            f"{row['name']}: formation {i['p50']} ns (p99.9 {i['p999']}), wrench {w['p50']} ns (p99.9 {w['p999']})"
+        )
+        lines += [f"  {'ok' if o['met'] else 'NOT MET'}: {o['what']}" for o in row["outcomes"]]
+    return "\n".join(lines)

@@ -32,7 +32,7 @@ CAPABILITIES: dict[str, Any] = {
     "support kinds": ("fixed", "elastic"),
     "tool shapes": ("sphere", "flat_punch", "cylinder", "cone", "capsule", "mesh"),
     "several radii of a tool": ("sphere",),
-    "several tilts of a tool": False,
+    "several tilts of a tool": True,
     "most tilts of a tool": 4,
     "depth over tool radius": 1.2,
     "responses": ("potential",),

@@ -16,7 +16,7 @@ import pytest
 from stand_in_solvers import Inline, known_probe
 
 from palpate.author import pipeline, press_solve, validate
-from palpate.author.capabilities import CAPABILITIES, require_capabilities
+from palpate.author.capabilities import require_capabilities
 from palpate.author.errors import InputError
 from palpate.author.report import write
 from palpate.author.scene import load_scene
@@ -154,10 +154,7 @@ def test_a_ball_s_end_touches_where_the_blend_says_and_a_flat_end_does_not() -> 
         ('["0 deg", "10 deg", "20 deg", "30 deg", "40 deg"]', "at most 4"),
     ],
 )
-def test_tilts_that_make_no_ways_are_refused(
-    tilts: str, what: str, scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(CAPABILITIES, "several tilts of a tool", True)
+def test_tilts_that_make_no_ways_are_refused(tilts: str, what: str, scene_file: Path, tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(scene_file.read_text().replace('["0 deg", "30 deg"]', tilts))
     with pytest.raises(InputError, match=what):

@@ -37,6 +37,7 @@ from palpate.author.arguments import (
 )
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.extremes_command import extremes
 from palpate.author.rigid_command import rigid
 from palpate.author.scan_command import detect, scan
 from palpate.author.transients_command import transients
@@ -440,6 +441,9 @@ def verify(
         return verified(everything, progress=lambda line: print(line, file=sys.stderr, flush=True))
 
     _end(work, as_json)
+
+
+app.command()(extremes)
 
 
 @app.command()

@@ -32,6 +32,9 @@ __all__ = ["FIDELITIES", "FarFieldStore", "Site", "far_field_key", "open_site", 
 
 FIDELITIES = ("linear", "near_field", "full")
 
+COARSEST = 8e-3
+"""m; edges of a patch, unless its finest are above half of that: a tool of a metre is not meshed by the millimetre."""
+
 Kept = TypeVar("Kept", FarField, FarModes, GreenBlock)
 FarFieldStore = Callable[[type[Kept], str, Callable[[], Kept]], Kept]
 """Returns what is kept under a class and a key, making it when it is not kept yet."""
@@ -98,7 +101,7 @@ def patch_size(
         finest=finest / refinement,
         core=found.size,
         growth=0.5,
-        coarsest=8e-3 / refinement,
+        coarsest=max(COARSEST, 2.0 * finest) / refinement,
         extent=1.4 * found.extent,
         spine=found.spine,
         rim=found.edge,

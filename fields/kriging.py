@@ -32,6 +32,8 @@ SHORT_LENGTHS = (2e-3, 40e-3)
 """m, least and largest length of the rough part."""
 SHORT_VARIANCES = (1e-4, 10.0)
 """Its variance where rho = 1 / l_s^2: a field of Matern's kind and unit curvature has 1 / 25."""
+ROWS_MAX = 15_000
+"""Values and derivatives in one covariance (count): a dense matrix of 1.8 GB, of which a fit holds a few."""
 EVIDENCE = 3.0
 """Log-likelihood that a rough part's two parameters must bring to be believed."""
 
@@ -107,7 +109,7 @@ def fit_kriging(
         near: search only around these, which fitted most of the points.
 
     Raises:
-        ValueError: data are not finite or two points coincide.
+        ValueError: data are not finite, two points coincide, or there are too many to be held.
     """
     z, values = np.asarray(z, dtype=float), np.asarray(values, dtype=float)
     count, columns = values.shape
@@ -116,6 +118,12 @@ def fit_kriging(
     y = np.concatenate([values[:, None], gradients], axis=1).reshape(-1, columns)  # point by point
     if not (np.isfinite(y).all() and np.isfinite(z).all()):
         raise ValueError("kriging: data must be finite")
+    if len(y) > ROWS_MAX:
+        derivatives = directions.shape[1]
+        raise ValueError(
+            f"kriging: {count} points with {derivatives} derivatives each need a covariance of "
+            f"{8e-9 * len(y) ** 2:.3g} GB; at most {ROWS_MAX // (1 + derivatives)} such points are right"
+        )
     chosen = slice(None) if scored is None else scored
     plain = Sites(z, directions)
     pairs = Pairs.of(plain, plain)

@@ -78,7 +78,15 @@ class PressArrays:
 
 
 def uniform_knots(depth_max: float, count: int = 13) -> np.ndarray:
-    """(count,) m, shared depth knots from 0 to `depth_max`."""
+    """(count,) m, shared depth knots from 0 to `depth_max`.
+
+    Raises:
+        ValueError: fewer than two knots, or no depth above 0.
+    """
+    if count < 2 or not 0.0 < depth_max < np.inf:
+        raise ValueError(
+            f"depth knots: {count} up to {depth_max:g} m; at least 2, depth 0 and a deepest one above it, are right"
+        )
     return np.linspace(0.0, depth_max, count)
 
 

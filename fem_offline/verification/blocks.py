@@ -64,11 +64,13 @@ def _surface_of(size: tuple[float, float, float]) -> Callable[[np.ndarray], tupl
     """Projector to the nearest of the box's six faces, and that face's normal."""
     face = np.array([0.5 * size[0], 0.5 * size[0], 0.5 * size[1], 0.5 * size[1], size[2], 0.0])
     outward = np.kron(np.eye(3), [[-1.0], [1.0]])  # -x, x, -y, y, -z, z
+    low, high = -face[::2], face[1::2]
 
     def project(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         away = points @ outward.T - face
         nearest = np.argmin(np.abs(away), axis=1)[:, None]
         normal = outward[nearest[:, 0]]
-        return points - np.take_along_axis(away, nearest, axis=1) * normal, normal
+        moved = points - np.take_along_axis(away, nearest, axis=1) * normal
+        return np.clip(moved, low, high), normal  # beyond an edge, a face's plane is none of the box
 
     return project

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from palpate.runtime.field import Field
 from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Adhesion, Input, Response
-from palpate.runtime.library import check, library
+from palpate.runtime.library import RuntimeFailure, check, library
 from palpate.runtime.organ import Organ
 
 __all__ = ["Config", "Session"]
@@ -71,6 +71,7 @@ class Session:
             "tool_axis",
         ):  # fmt: skip
             raw[name] = getattr(config, name)
+        _refuse_not_finite(raw)
         handle = ctypes.c_void_p()
         memory, init = self._memory, library().palpate_session_init
         status = init(memory.ctypes.data, memory.nbytes, field.handle, raw.ctypes.data, ctypes.byref(handle))
@@ -158,3 +159,10 @@ class Session:
         responses["size"] = RESPONSE.itemsize
         library().palpate_tick_batch(self._handle, states.ctypes.data, responses.ctypes.data, len(states))
         return responses
+
+
+def _refuse_not_finite(config: np.ndarray) -> None:
+    """The library refuses such a number too, but cannot say which it was.  Raises RuntimeFailure."""
+    for name in config.dtype.names or ():
+        if not np.isfinite(config[name]).all():
+            raise RuntimeFailure(1, f"Config: {name} is {config[name]}; finite numbers are right.")

@@ -62,3 +62,18 @@ def test_a_press_into_tissue_of_any_scale_is_that_many_times_as_hard():
         force[scale] = press(site, ball, depth).force[-1]
     assert force[0.01] == pytest.approx(0.01 * force[1.0], rel=1e-5)
     assert force[100.0] == pytest.approx(100.0 * force[1.0], rel=1e-5)
+
+
+def test_an_organ_of_a_millimetre_and_one_of_ten_metres_are_pressed_as_one_of_a_hand():
+    """Dimensional analysis: lengths times s, force times s^2; whatever has a length of its own would show."""
+    force = {}
+    for s in (1 / 60, 1.0, 1000 / 6):
+        organ = block_organ((0.06 * s, 0.06 * s, 0.04 * s), (4, 4, 3), {0: NeoHookean(5400.0, 0.48)})
+        ball, depth = Sphere(5e-3 * s), np.array([1e-3 * s])
+        size = patch_size(ball, depth[0], radius=0.01 * s, refinement=0.6)
+        site = open_site(organ, s * np.array([1.3e-3, 0.7e-3, 0.0]), ball, size)
+        force[s] = press(site, ball, depth).force[-1] / s**2
+    assert force[1 / 60] == pytest.approx(force[1.0], rel=5e-3)
+    assert force[1000 / 6] == pytest.approx(
+        force[1.0], rel=0.02
+    )  # its patch is finer away from the tool: 1.1 %

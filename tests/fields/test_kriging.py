@@ -129,3 +129,10 @@ def test_bad_data_are_refused():
         fit_kriging(np.concatenate([z, z[:1]]), np.concatenate([values, values[:1]]))
     with pytest.raises(ValueError, match="finite"):
         fit_kriging(z, values * np.nan)
+
+
+def test_more_points_than_can_be_held_are_refused_with_how_many_would_do():
+    count = 100_000
+    z = np.zeros((count, 6))
+    with pytest.raises(ValueError, match=r"at most 5000 such points"):
+        fit_kriging(z, np.zeros((count, 1)), np.zeros((count, 2, 6)), np.zeros((count, 2, 1)))

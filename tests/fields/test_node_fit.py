@@ -111,3 +111,9 @@ def test_friction_may_depend_on_depth():
     p = replace(p, friction_coefficient=np.array([[1e-3, 0.2], [5e-3, 0.1]]))
     mu = fit_nodes([p], KNOTS, ORGAN.radius).friction_coefficient[0]
     np.testing.assert_allclose(mu, np.interp(KNOTS, [1e-3, 5e-3], [0.2, 0.1]))
+
+
+@pytest.mark.parametrize(("depth", "count"), [(5e-3, 1), (5e-3, 0), (0.0, 13), (-1e-3, 13), (np.nan, 13)])
+def test_knots_that_are_no_ladder_are_refused(depth, count):
+    with pytest.raises(ValueError, match="depth knots"):
+        uniform_knots(depth, count)

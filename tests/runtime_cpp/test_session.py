@@ -207,3 +207,9 @@ def test_one_tick_is_a_batch_of_one(plane):
 def test_a_config_out_of_range_is_refused(plane, config):
     with pytest.raises(RuntimeFailure):
         Session(plane.field, config)
+
+
+@pytest.mark.parametrize("name", ["friction_coefficient", "speed_max", "force_max"])
+def test_a_config_that_is_no_number_is_refused_by_name(plane, name):
+    with pytest.raises(RuntimeFailure, match=name):
+        Session(plane.field, Config(**{name: float("nan")}))

@@ -166,6 +166,8 @@ def require_pair(a: Element, b: Element) -> None:
         fits = fits and x.kind != "circle"
     elif x.kind == "segment" and _cavity(y):
         fits = True  # ends of an edge meet a hollow before its middle does
+    if any(_cavity(p) and q.kind == "paraboloid" and not _cavity(q) for p, q in ((x, y), (y, x))):
+        fits = False  # round against hollow, neither an offset of a point or line
     if _cavity(x) and _cavity(y):
         fits = True  # hollows do not touch
     if not fits:

@@ -286,6 +286,39 @@ def test_two_worlds_are_one_wrench_within_the_device():
     assert np.cross(force, [1, 2, 0]) == pytest.approx([0, 0, 0], abs=1e-12)
 
 
+def test_a_shaft_slides_on_bone_while_its_tip_presses_tissue(plane):
+    """One grip, one wrench: the rigid shaft's and the tissue's, each as it would be alone."""
+    from palpate.runtime import Config, Session
+
+    grip = np.array([0.0, 0.0, 0.1])  # in the shaft's frame, whose lower end carries the tip
+    shaft, tip = capsule(0.005, 0.15), (0.0, 0.0, -0.18)
+    bone = box((0.05, 0.2, 0.05)).moved(np.eye(3), np.array([-0.03, 0, 0.08]))
+    rigid, tissue = (
+        held(shaft, fixed=bone, grip=tuple(grip)),
+        Session(plane.field, Config(reference_point=tip)),
+    )
+    both = 0
+    for k in range(400):
+        at = np.array(
+            [0.0005 + max(0.0, 1e-3 - 1e-5 * k), 0.0, 0.187 - 1e-5 * k]
+        )  # tissue fills z < 0, the tip is a 5 mm ball
+        hard, soft = rigid.tick(at), tissue.tick(at, orientation=UPRIGHT)
+        force, torque, _ = add_wrenches(
+            (hard["force"], hard["torque"]), (soft["force"], soft["torque"]), force_max=10.0
+        )
+        assert np.linalg.norm(force) <= 10.0 + 1e-12
+        if (
+            hard["contact_count"]
+            and soft["depth"] > 0
+            and np.linalg.norm(hard["force"] + soft["force"]) < 10.0
+        ):
+            both += 1
+            assert force == pytest.approx(hard["force"] + soft["force"])
+            assert torque == pytest.approx(hard["torque"] + soft["torque"])
+            assert hard["contact_force"][0] > 0 and soft["normal_force"] > 0
+    assert both > 20
+
+
 def test_damaged_bytes_are_refused_in_one_sentence():
     data = cooked_rigid(capsule(0.01, 0.04), FLOOR, MASS)
     rng = np.random.default_rng(2)

@@ -144,7 +144,7 @@ def _size(s: Subject, factor: float) -> str:
 def _depth(s: Subject, share: float) -> str:
     points, normals = s.organ.project(s.place[None])
     thickness = s.organ.thickness(points[0], normals[0])
-    ladder = share * thickness * np.arange(1, 4) / 3
+    ladder = share * thickness * (np.arange(1, 4) / 3 if share < 1.0 else np.ones(1))
     how = {"place": s.place, "patch": 20e-3}
     ours = pressed(s.organ, s.tool, ladder, **how, refinement=0.8)
     fine = pressed(s.organ, s.tool, ladder, **how, refinement=1.1)

@@ -79,6 +79,7 @@ def library() -> ctypes.CDLL:
         ("palpate_session_init", ctypes.c_int, [pointer, size, pointer, pointer, out]),
         ("palpate_session_reset", ctypes.c_int, [pointer]),
         ("palpate_session_snapshot", ctypes.c_int, [pointer, pointer, size, out]),
+        ("palpate_session_transient", ctypes.c_int, [pointer, pointer]),
         ("palpate_session_set_field", ctypes.c_int, [pointer, pointer]),
         ("palpate_session_set_organ", ctypes.c_int, [pointer, pointer]),
         ("palpate_organ_size", size, []),

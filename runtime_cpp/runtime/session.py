@@ -82,6 +82,12 @@ class Session:
         """Back to the state after construction, accounts at zero."""
         check(library().palpate_session_reset(self._handle))
 
+    def transient_account(self) -> tuple[float, float, int]:
+        """Of the effect transient since the start or `reset`: J given to the hand, J taken from it, events."""
+        account = np.zeros(3)
+        check(library().palpate_session_transient(self._handle, account.ctypes.data))
+        return float(account[0]), float(account[1]), int(account[2])
+
     def set_field(self, field: Field) -> None:
         """From the next tick on, another field of the same organ; while touching, stored energy does not rise."""
         check(library().palpate_session_set_field(self._handle, field.handle))

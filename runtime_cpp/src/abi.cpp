@@ -138,6 +138,8 @@ const char* palpate_tick_text(uint32_t tick_status) noexcept {
         case PALPATE_TICK_FORCE_LIMITED: return "The surface yielded: the device gives no more force.";
         case PALPATE_TICK_LEAK_COVERED: return "The surface yielded by what holding the force had given.";
         case PALPATE_TICK_RULE_YIELDED: return "The surface yields: the way of touching changed to one that would hold more energy.";
+        case PALPATE_TICK_TRANSIENT: return "A transient plays on top of the response.";
+        case PALPATE_TICK_TRANSIENT_LIMITED: return "The transient was limited: by the device, its energy, its library or four at once.";
         case PALPATE_TICK_BAD_ARGUMENT: return "A pointer is null or a struct is too small.";
         default: return "This status bit is unknown to this version.";
     }

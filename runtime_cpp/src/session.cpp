@@ -7,6 +7,8 @@
 #include <new>
 #include <type_traits>
 
+#include "field.h"
+
 static_assert(std::is_trivially_copyable<palpate_session>::value, "a snapshot is a copy of the bytes");
 static_assert(alignof(palpate_session) <= 8, "the header promises 8");
 
@@ -80,6 +82,14 @@ palpate_status palpate_session_snapshot(const palpate_session* session, void* me
     return PALPATE_OK;
 }
 
+palpate_status palpate_session_transient(const palpate_session* session, double account[3]) PALPATE_REAL_TIME {
+    if (session == nullptr || account == nullptr) return PALPATE_BAD_ARGUMENT;
+    account[0] = session->transients.given;
+    account[1] = session->transients.taken;
+    account[2] = static_cast<double>(session->transients.events);
+    return PALPATE_OK;
+}
+
 palpate_status palpate_session_set_field(palpate_session* session, const palpate_field* field) PALPATE_REAL_TIME {
     if (session == nullptr || field == nullptr) return PALPATE_BAD_ARGUMENT;
     session->next_field = field == session->field ? nullptr : field;
@@ -92,7 +102,12 @@ uint32_t palpate_tick(palpate_session* session, const palpate_tool_state* state,
         return PALPATE_TICK_BAD_ARGUMENT;
     }
     const bool at_rest = !session->organ.used && (state->flags & PALPATE_INPUT_ORGAN_POSE) == 0;
-    return at_rest ? palpate::tick(*session, *state, *response) : palpate::tick_on_organ(*session, *state, *response);
+    std::uint32_t status = at_rest ? palpate::tick(*session, *state, *response) : palpate::tick_on_organ(*session, *state, *response);
+#ifdef PALPATE_HAS_TRANSIENT
+    const palpate::layer_bytes& transient = session->field->layer[palpate::layer_transient];
+    if (transient.begin != nullptr) status |= palpate::play_transients(session->transients, transient, *state, *response);
+#endif
+    return status;
 }
 
 uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states, palpate_tool_response* responses,

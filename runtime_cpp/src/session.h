@@ -9,6 +9,7 @@
 #include "cell.h"
 #include "friction.h"
 #include "guard.h"
+#include "layers/transient.h"
 #include "organ.h"
 #include "palpate/palpate.h"
 #include "rfield_layout.h"
@@ -49,6 +50,8 @@ struct palpate_session {
     palpate::amplitude_cell under_amplitudes;  // of `field`
     palpate::fetched_cells fetched;            // of `field`
     std::uint32_t ticks_since_look;            // in contact; ahead.h
+
+    palpate::transient_state transients;
 };
 
 namespace palpate {

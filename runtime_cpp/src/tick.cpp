@@ -253,6 +253,7 @@ PALPATE_APART std::uint32_t free_tick(palpate_session& s, const palpate_tool_sta
 void begin(palpate_session& s) PALPATE_REAL_TIME {
     let_go(s);
     s.books = accounts{};
+    s.transients = transient_state{};
     s.entry = gate::closed;
     s.has_q = false;
     for (double& x : s.q) x = 0.0;

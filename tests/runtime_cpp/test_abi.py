@@ -59,10 +59,10 @@ def test_enums_are_those_of_the_header():
 
 def test_every_status_has_one_sentence():
     lib = library()
-    texts = [lib.palpate_status_text(i).decode() for i in range(13)]
-    texts += [lib.palpate_tick_text(1 << i).decode() for i in range(15)] + [lib.palpate_tick_text(0).decode()]
+    texts = [lib.palpate_status_text(i).decode() for i in range(15)]
+    texts += [lib.palpate_tick_text(1 << i).decode() for i in range(17)] + [lib.palpate_tick_text(0).decode()]
     assert all(t.endswith(".") and t.count(". ") == 0 for t in texts)
-    assert "unknown" in texts[12] and "unknown" in texts[27]
+    assert "unknown" in texts[14] and "unknown" in texts[31]
 
 
 def test_version_is_three_numbers():

@@ -260,6 +260,10 @@ PALPATE_API palpate_status palpate_session_set_field(palpate_session* session, c
 PALPATE_API palpate_status palpate_session_snapshot(const palpate_session* session, void* memory, size_t size,
                                                     palpate_session** snapshot) PALPATE_REAL_TIME;
 
+/* What the effect transient did since init or reset: account[0] J given to the hand, account[1] J taken from it, account[2]
+ * events.  What it gives is at most energy_max for each event, and what the force of one tick does in the next. */
+PALPATE_API palpate_status palpate_session_transient(const palpate_session* session, double account[3]) PALPATE_REAL_TIME;
+
 /* ---- organ ---------------------------------------------------------------------------------------------------- */
 
 /* Where an organ is, for any number of sessions on it (two hands feel the same motion).  One thread moves it, other threads tick;
@@ -315,6 +319,8 @@ typedef struct palpate_tool_state {
 #define PALPATE_TICK_FORCE_LIMITED 2048u /* the surface yielded to force_max */
 #define PALPATE_TICK_LEAK_COVERED 4096u /* the surface yielded to passivity_control */
 #define PALPATE_TICK_RULE_YIELDED 8192u /* the surface yields so that a change of way (or axial sliding) raises no energy */
+#define PALPATE_TICK_TRANSIENT 16384u   /* a transient plays: force and torque hold it too, and no account of the response does */
+#define PALPATE_TICK_TRANSIENT_LIMITED 32768u /* by the device's limits, its energy, the library's fastest contact or four at once */
 
 typedef struct palpate_tool_response {
     uint32_t size;

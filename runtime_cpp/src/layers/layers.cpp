@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "layers/layers.h"
 
+#include "layers/transient.h"
+
 namespace palpate {
 namespace {
 
@@ -12,7 +14,11 @@ struct known_layer {
 
 constexpr known_layer known_layers[layer_count] = {
     {"texture", nullptr},
+#ifdef PALPATE_HAS_TRANSIENT
+    {"transient", prove_transient},
+#else
     {"transient", nullptr},
+#endif
     {"deformation", nullptr},
     {"rigid", nullptr},
 };

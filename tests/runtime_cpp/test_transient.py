@@ -171,7 +171,8 @@ def test_the_layer_is_read_back_as_it_was_written():
 @pytest.mark.parametrize(
     ("key", "value"),
     [("magic", 1), ("version", 2), ("velocity_count", 0), ("velocity_count", 2), ("sample_count", 1),
-     ("sample_count", 2**31),     ("rate", np.nan), ("attenuation", 2.0), ("energy_max", -1.0), ("steady_time", 0.0), ("force_short", np.inf)],
+     ("sample_count", 2**31),
+     ("rate", np.nan), ("attenuation", 2.0), ("energy_max", -1.0), ("steady_time", 0.0), ("force_short", np.inf)],
 )  # fmt: skip
 def test_a_header_that_is_wrong_is_refused(key, value):
     layer = library()

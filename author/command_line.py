@@ -40,9 +40,10 @@ from palpate.author.errors import InputError, InputProblem
 from palpate.author.extremes_command import extremes
 from palpate.author.rigid_command import rigid
 from palpate.author.scan_command import detect, scan
+from palpate.author.tradeoff_command import tradeoff
 from palpate.author.transients_command import transients
 
-__all__ = ["app", "main"]
+__all__ = ["app", "end", "main"]
 
 app = typer.Typer(
     help="From an organ surface and a tool to a force that a hand can feel.",
@@ -473,6 +474,14 @@ def schema() -> None:
         return Answer({}, [json.dumps(scene_schema(), indent=2)])
 
     _end(work, as_json=False)
+
+
+app.command()(tradeoff)
+
+
+def end(work: Callable[[], Answer], as_json: bool) -> None:
+    """Ends a command that has a file of its own, as `_end` those that are here."""
+    _end(work, as_json)
 
 
 def _end(work: Callable[[], Answer], as_json: bool) -> None:

@@ -32,6 +32,7 @@ __all__ = [
     "coarsest_field",
     "contact_geometry_of",
     "field_of",
+    "field_unrounded",
     "is_fine_enough",
     "knots_of",
     "press_arrays",
@@ -176,6 +177,20 @@ def field_of(
     provenance: dict[str, Any],
 ) -> tuple[ResponseField, list[dict[str, Any]]]:
     """The field of one tool, and the presses that could not become nodes, each with its reason."""
+    field, failures = field_unrounded(scene, tool, mesh, samples, geometry, outcomes, provenance)
+    return as_cooked(field), failures
+
+
+def field_unrounded(
+    scene: Scene,
+    tool: Tool,
+    mesh: OrganMesh,
+    samples: ReachSamples,
+    geometry: ContactGeometry,
+    outcomes: Sequence[PressOutcome],
+    provenance: dict[str, Any],
+) -> tuple[ResponseField, list[dict[str, Any]]]:
+    """As `field_of`, before amplitudes and curves are rounded to what a file holds."""
     usable, failures = [], []
     for outcome in outcomes:
         press, reason = press_arrays(scene, tool, outcome, mesh)
@@ -202,4 +217,4 @@ def field_of(
             band=band_of_tool(scene, tool),
         )
     )
-    return as_cooked(field), failures
+    return field, failures

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -28,7 +28,17 @@ from palpate.author.tool_stage import ToolShape
 from palpate.fem_offline.pose import tilted
 from palpate.runtime import Config, Field, Session
 
-__all__ = ["FLOOR", "held_out_jobs", "judgement", "judgement_of", "percentiles", "press_judgements"]
+__all__ = [
+    "FLOOR",
+    "Rendered",
+    "Rendering",
+    "held_out_jobs",
+    "judgement",
+    "judgement_of",
+    "line",
+    "percentiles",
+    "press_judgements",
+]
 
 FLOOR = 0.05
 """Share of the deepest force below which errors are not judged: nothing is felt there."""
@@ -41,9 +51,20 @@ REACHED = 0.7
 
 
 @dataclass(frozen=True)
-class _Rendered:
+class Rendered:
+    """Force (n, 3) N and status (n,) at the ends of n legs."""
+
     force: np.ndarray
     status: np.ndarray
+
+
+@runtime_checkable
+class Rendering(Protocol):
+    """What may stand in for the runtime, to judge what the runtime does not render."""
+
+    def rendered(self, friction: float | None, legs: Sequence[np.ndarray]) -> Rendered:
+        """As `_render`; the tool is held upright."""
+        ...
 
 
 def held_out_jobs(
@@ -76,29 +97,34 @@ def held_out_jobs(
     return jobs
 
 
-def _line(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+def line(start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(n, 3) m, places of the ticks from after `start` to `end`."""
     count = max(1, int(np.ceil(np.linalg.norm(end - start) / TICK)))
     return start + np.linspace(0.0, 1.0, count + 1)[1:, None] * (end - start)
 
 
-def _render(field: Field, friction: float | None, legs: Sequence[np.ndarray], held: np.ndarray) -> _Rendered:
+def _render(
+    field: Field | Rendering, friction: float | None, legs: Sequence[np.ndarray], held: np.ndarray
+) -> Rendered:
     """Force and status at the end of each leg of a path, the first leg's start included in it.
 
     held: (4,) x y z w, how the tool is held all along.
     """
+    if isinstance(field, Rendering):
+        return field.rendered(friction, legs)
     session = Session(field, Config(friction_coefficient=friction))
     session.tick(legs[0], orientation=held)
     here, forces, status = legs[0], [], []
     for leg in legs[1:]:
-        line = _line(here, leg)
-        response = session.tick_batch(line, orientations=np.tile(held, (len(line), 1)))
+        way = line(here, leg)
+        response = session.tick_batch(way, orientations=np.tile(held, (len(way), 1)))
         forces.append(response["force"][-1].copy())
         status.append(int(np.bitwise_or.reduce(response["status"])))
         here = leg
-    return _Rendered(np.array(forces), np.array(status))
+    return Rendered(np.array(forces), np.array(status))
 
 
-def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict[str, Any]:
+def _press_judgement(field: Field | Rendering, offset: float, outcome: PressOutcome) -> dict[str, Any]:
     a, v = outcome.arrays, outcome.values
     row: dict[str, Any] = {
         "contact_point": list(outcome.job.contact_point),
@@ -156,7 +182,7 @@ def _press_judgement(field: Field, offset: float, outcome: PressOutcome) -> dict
 
 
 def _slide(
-    field: Field,
+    field: Field | Rendering,
     start: np.ndarray,
     c: np.ndarray,
     n: np.ndarray,
@@ -192,7 +218,7 @@ def percentiles(values: Sequence[float | None]) -> dict[str, float] | None:
 
 
 def judgement(
-    field: Field,
+    field: Field | Rendering,
     offset: float,
     outcomes: Sequence[PressOutcome],
     near: Sequence[PressOutcome],
@@ -209,7 +235,9 @@ def judgement(
     return judgement_of(press_judgements(field, offset, outcomes), outcomes, near, tolerance)
 
 
-def press_judgements(field: Field, offset: float, outcomes: Sequence[PressOutcome]) -> list[dict[str, Any]]:
+def press_judgements(
+    field: Field | Rendering, offset: float, outcomes: Sequence[PressOutcome]
+) -> list[dict[str, Any]]:
     """One row for each press, in their order."""
     return [_press_judgement(field, offset, outcome) for outcome in outcomes]
 

@@ -59,7 +59,8 @@ def rfield_bytes(area: float, effects: Sequence[str]) -> dict[str, int]:
 
 def tool_row(scene: Scene, tool: Tool, area: float, tets: int) -> dict[str, Any]:
     """Counts and rates of one tool; `with_time` says how many nodes and seconds come of them."""
-    most = node_count(area, scene.accuracy.force_tolerance)
+    asked = scene.accuracy.nodes
+    most = asked or node_count(area, scene.accuracy.force_tolerance)
     regions, held = len(scene.organ.region), scene.accuracy.held_out
     # of a family each radius is pressed at every node, of several tilts each but upright in both leans
     members = len(tool.radius or (0,)) * (2 * len(tool.tilt or (0,)) - 1)
@@ -72,8 +73,8 @@ def tool_row(scene: Scene, tool: Tool, area: float, tets: int) -> dict[str, Any]
         "depth_max": scene.depth_max(tool),
         "friction": tool.friction if "friction" in scene.effects else None,
         "seeds": seed_count(most) + REGION_SEEDS * regions,
-        "expected": expected_nodes(most) + REGION_EXPECTED * regions,
-        "nodes": most + region_nodes(regions),
+        "expected": asked or expected_nodes(most) + REGION_EXPECTED * regions,
+        "nodes": asked or most + region_nodes(regions),
         "members": members,
         "held_out": held,
         "checks": min(NEAR_CHECKS, held) if scene.accuracy.fidelity == "near_field" else 0,

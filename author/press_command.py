@@ -162,6 +162,8 @@ def _job(
         shape_of(scene, tool),
         tuple(map(float, ladder(depth))),
         fidelity,
+        refinement=scene.accuracy.patch_refinement or 1.0,
+        patch_radius=scene.accuracy.patch_radius,
     )
 
 

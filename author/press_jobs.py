@@ -43,6 +43,8 @@ class PressJob:
         lateral: (2,) m or None; an explicit move at the last depth instead (along the tangents).
         drag: depths (m, rising) at which the tool is dragged both ways along the first tangent.
         shape: keep the deformed patch at the deepest state as well (arrays named "shape_...").
+        refinement: divides the edges of the patch's tetrahedra.
+        patch_radius: m, of the patch; the mechanics' own when None, which leaves the key as it is without.
     """
 
     contact_point: tuple[float, float, float]
@@ -55,9 +57,12 @@ class PressJob:
     refinement: float = 1.0
     drag: tuple[float, ...] = ()
     shape: bool = False
+    patch_radius: float | None = None
 
     def key(self, mesh: OrganMesh) -> str:
         asked = {**asdict(self), "tool": self.tool.hash}
+        if self.patch_radius is None:
+            del asked["patch_radius"]
         return digest({"organ": mesh.hash, "job": asked, "mechanics": mechanics_version()})
 
 

@@ -128,7 +128,8 @@ def _press_until_vouched(
     from palpate.fem_offline.site import open_site, patch_size
 
     tool, tilt = solid_tool(job.tool), job.tool.tilt
-    size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt)
+    radius = {} if job.patch_radius is None else {"radius": job.patch_radius}
+    size = patch_size(tool, job.depths[-1], refinement=job.refinement, tilt=tilt, **radius)
     tried: list[dict[str, Any]] = []
     while True:
         fidelity = "full" if tried else job.fidelity

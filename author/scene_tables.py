@@ -259,6 +259,17 @@ class Accuracy(Table):
     time_budget: Annotated[float, Quantity("time", above=0)] | None = Field(
         default=None, description="the best field that this buys, above 0"
     )
+    nodes: Annotated[int, Strict(), Field(ge=3, le=100_000)] | None = Field(
+        default=None,
+        description="so many nodes, from 3; when absent, as many as errors ask for (author/effort.py)",
+    )
+    patch_radius: Length | None = Field(
+        default=None,
+        description="of the tissue that is meshed anew around a contact, at least 3.5 contact radii; 20 mm when absent",
+    )
+    patch_refinement: Annotated[float, Quantity("fraction", least=0.25, most=4)] | None = Field(
+        default=None, description="divides the edges of those tetrahedra, 0.25 to 4; 1 when absent"
+    )
     held_out: Annotated[int, Strict(), Field(ge=1, le=100_000)] = Field(
         default=40, description="fresh presses that judge the field and never build it: a whole number from 1"
     )

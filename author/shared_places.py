@@ -77,7 +77,8 @@ class SharedPlaces(ToolWork):
 
     def _at(self, point: tuple[float, float, float], i: int) -> PressJob:
         depths = tuple(map(float, ladder(self._depths[i])))
-        return PressJob(point, self._shapes[i], depths, self._whole.accuracy.fidelity)
+        leading = self._job(np.array(point), self._whole.accuracy.fidelity)
+        return replace(leading, contact_point=point, tool=self._shapes[i], depths=depths)
 
     def arrived(self, outcome: PressOutcome) -> None:
         super().arrived(outcome)

@@ -69,8 +69,9 @@ class ToolWork:
             )  # fmt: skip
         _refuse_jumping_heading(scene, tool, self.shape, self.samples)
         area = len(self.samples.points) * self.samples.spacing**2
-        count = node_count(area, scene.accuracy.force_tolerance)
-        self.seeds, self.most = seed_count(count), count + region_nodes(len(mesh.regions))
+        count = scene.accuracy.nodes or node_count(area, scene.accuracy.force_tolerance)
+        self.seeds = seed_count(count)
+        self.most = scene.accuracy.nodes or count + region_nodes(len(mesh.regions))
         self._held = held_out_points(self.samples, scene.accuracy.held_out, self.seed)
         if len(self._held) == np.count_nonzero(self.samples.allowed):
             what = f"leaves {tool.name} no place for a node: the reach has {len(self._held)} places, all held out"
@@ -100,7 +101,7 @@ class ToolWork:
 
         def sampling() -> SamplingByError:
             terrain = places.terrain(geometry(), offset - 0.5 * self.depth_max)
-            tolerance = scene.accuracy.force_tolerance
+            tolerance = 0.0 if scene.accuracy.nodes else scene.accuracy.force_tolerance
             return SamplingByError(terrain, geometry(), offset, tolerance, self.most, APART * contact)
 
         self.rounds = NodeRounds(
@@ -139,7 +140,14 @@ class ToolWork:
 
     def _job(self, point: np.ndarray, fidelity: str) -> PressJob:
         depths = tuple(map(float, ladder(self.depth_max)))
-        return PressJob(tuple(map(float, point)), self.shape, depths, fidelity)
+        return PressJob(
+            tuple(map(float, point)),
+            self.shape,
+            depths,
+            fidelity,
+            refinement=self._scene.accuracy.patch_refinement or 1.0,
+            patch_radius=self._scene.accuracy.patch_radius,
+        )
 
     @property
     def node_outcomes(self) -> list[PressOutcome]:

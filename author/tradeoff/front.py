@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The palpate authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which settings nothing beats, and which of them to take.
+
+A row is beaten by one that is no worse in CPU seconds, bytes, tick and error, and better in one.  Ticks within
+TICK_NOISE of each other are equal.
+
+Recommended is the setting that costs least CPU time among those that meet the tolerance surely enough: of REDRAWS draws
+of as many held-out presses as the scene asks for, with replacement (B. Efron, Bootstrap methods: another look at the
+jackknife, 1979), at least SURE meet it.  It knows no place that was not pressed; `--confirm-seeds` presses there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from palpate.author.tradeoff.rows import ERRORS, judged_again
+
+__all__ = ["chance", "pareto", "recommended", "worst_error"]
+
+TICK_NOISE = 0.05
+REDRAWS = 400
+SURE = 0.95
+"""19 of 20."""
+
+
+def worst_error(row: dict[str, Any]) -> float:
+    """The largest 95th percentile of the kinds of error, fraction of normal force."""
+    return max(row[kind]["p95"] for kind in ERRORS if row[kind])
+
+
+def pareto(rows: Sequence[dict[str, Any]]) -> list[int]:
+    """Indices of rows that no other one beats; only what is offered can be taken, and so can beat."""
+    taken = [i for i, row in enumerate(rows) if row["offered"] and row["force_error"]]
+    return [i for i in taken if not any(_beats(rows[j], rows[i]) for j in taken if j != i)]
+
+
+def _beats(a: dict[str, Any], b: dict[str, Any]) -> bool:
+    first, second = ((row["cpu_seconds"], row["bytes"], worst_error(row)) for row in (a, b))
+    slower = a["tick_ns"] > (1.0 + TICK_NOISE) * b["tick_ns"]
+    faster = b["tick_ns"] > (1.0 + TICK_NOISE) * a["tick_ns"]
+    no_worse = all(x <= y for x, y in zip(first, second, strict=True)) and not slower
+    return no_worse and (first != second or faster)
+
+
+def chance(presses: Sequence[dict[str, Any]], tolerance: float, draw: int) -> float:
+    """Share of redraws of `draw` presses that meet the tolerance."""
+    if not presses:
+        return 0.0
+    generator = np.random.default_rng(1)
+    picks = generator.integers(0, len(presses), (REDRAWS, draw))
+    met = 0
+    for pick in picks:
+        met += judged_again([presses[i] for i in pick], tolerance)["met"]
+    return met / REDRAWS
+
+
+def recommended(rows: Sequence[dict[str, Any]]) -> int | None:
+    """Index of the cheapest row that is offered and meets the tolerance surely enough; None where none does."""
+    good = [i for i, row in enumerate(rows) if row["offered"] and row["met"] and row["chance"] >= SURE]
+    order = lambda i: (rows[i]["cpu_seconds"], rows[i]["tick_ns"], rows[i]["bytes"])  # noqa: E731
+    return min(good, key=order, default=None)

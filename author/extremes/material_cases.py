@@ -4,7 +4,7 @@
 
 Stiffness: force is proportional to Young's modulus.  Contrast: a layer on tissue a million times as stiff is a layer on
 a rigid base; on tissue a million times as soft, force is proportional to both moduli at once.  Poisson's ratio: Hertz
-at d/R = 0.0125 (half_space.py says why so shallow).
+as shallow as half_space.py says, and why.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from palpate.fem_offline.material import NeoHookean
 from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.tool import Sphere
 from palpate.fem_offline.verification import blocks, hertz
+from palpate.fem_offline.verification.half_space import hertz_share
 
 __all__ = ["material_cases"]
 
@@ -94,7 +95,7 @@ def _both_scaled(contrast: float) -> str:
 
 
 def _hertz(nu: float) -> str:
-    depth = 0.0125 * b.RADIUS
+    depth = hertz_share(nu) * b.RADIUS
     record = b.pressed(b.half_space(b.MODULUS, nu), Sphere(b.RADIUS), [depth], refinement=1.0, patch=14e-3)
     expected = hertz.sphere_force(hertz.effective_modulus(b.MODULUS, nu), b.RADIUS, depth)
     return close_to("force against Hertz", float(record.force[-1]), float(expected), HERTZ_BAR)

@@ -129,7 +129,7 @@ def _cooked(path: Path) -> dict[str, Any]:
 
 
 def _tool(field: Any) -> dict[str, Any]:
-    from palpate.author.report.contents import FULL_DEPTH
+    from palpate.author.report.limits import FULL_DEPTH
 
     nodes, tool = field.nodes, field.tool
     p50, p95 = np.percentile(nodes.residual, [50, 95])

@@ -61,6 +61,15 @@ class NodeRounds:
         """Of all nodes, in the order in which they were asked for."""
         return [self._outcome[i] for batch in self._batches for i in batch if i in self._outcome]
 
+    @property
+    def batches(self) -> list[list[int]]:
+        """Places that were asked for and have been pressed, seeds first."""
+        return [[i for i in batch if i in self._outcome] for batch in self._batches]
+
+    def key(self, i: int) -> str:
+        """Hash of the press at place `i`."""
+        return self._outcome[i].key
+
     @cached_property
     def sampling(self) -> SamplingByError:
         return self._make()

@@ -130,6 +130,7 @@ def author(
             met=judged["met"],
             **{key: judged[key] for key in ("family", "ways") if key in judged},
             sampling=work.rounds.sampling.report(),
+            node_origins=work.node_origins,
         )
 
     stages.begin("report")
@@ -141,6 +142,11 @@ def author(
         "organ": mesh.report,
         "failures": [failure for work in tools for failure in work.failures],
         "left_out": samples.left_out,
+        "reach": {
+            "places": len(samples.points),
+            "pressable": int(samples.allowed.sum()),
+            "spacing": samples.spacing,
+        },
         "damaged_records": store.damaged,
         "seed": scene.accuracy.seed,
         "versions": versions(),

@@ -40,6 +40,8 @@ APART = 0.5
 """Least distance between nodes, in contact radii."""
 NEAR_CHECKS = 2
 """Held-out points pressed at near_field fidelity as well, so that the far field's own error is known."""
+HASH_BEGINNING = 16
+"""Hex digits by which a summary names a press (count)."""
 TRUTH = "full"
 """Fidelity of held-out presses."""
 
@@ -97,7 +99,9 @@ class ToolWork:
         scene, offset = self._scene, self.reference.offset
         places = places_of(self.samples, self._held)
         contact = contact_extent(self.shape, self.depth_max)
-        seeds = [*places.even[: self.seeds], *above_regions(self._mesh, places, contact)]
+        even = places.even[: self.seeds]
+        seeds = [*even, *above_regions(self._mesh, places, contact)]
+        self._even = len(even)
 
         def sampling() -> SamplingByError:
             terrain = places.terrain(geometry(), offset - 0.5 * self.depth_max)
@@ -148,6 +152,21 @@ class ToolWork:
             refinement=self._scene.accuracy.patch_refinement or 1.0,
             patch_radius=self._scene.accuracy.patch_radius,
         )
+
+    @property
+    def node_origins(self) -> dict[str, list[str]]:
+        """Beginnings of the nodes' press hashes, by why they were pressed (report/node_origins.py)."""
+        first, *later = self.rounds.batches
+        parts = {
+            "seed": first[: self._even],
+            "region": first[self._even :],
+            "error": [i for b in later for i in b],
+        }
+        return {
+            why: [self.rounds.key(i)[:HASH_BEGINNING] for i in places]
+            for why, places in parts.items()
+            if places
+        }
 
     @property
     def node_outcomes(self) -> list[PressOutcome]:

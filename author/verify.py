@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from palpate.author.console import Answer, table_of
+from palpate.author.mechanics import mechanics_version
 from palpate.fem_offline.verification.row import Row
 from palpate.fem_offline.verification.table import table
 
@@ -37,6 +38,7 @@ def verify(everything: bool = False, progress: Callable[[str], None] = lambda li
         "rows": [_as_json(row) for row in rows],
         "met": missed == 0,
         "not_run": len(absent),
+        "mechanics": mechanics_version(),
         "seconds": time.perf_counter() - begun,
     }
     notes = [f"{row.name}: {row.note}" for row in rows if row.note]

@@ -89,8 +89,8 @@ def _mark(axes, group: Marks, pixels: np.ndarray, seen: np.ndarray, scale: Scale
     if group.values is not None and scale is not None:
         shades = colormaps[scale.colours](Normalize(scale.low, scale.high)(group.values[seen]))
         colour = {"facecolors": shades}
-    edge = INK if group.colour == "none" or group.values is not None else "white"
-    width = 1.1 if edge == INK else 0.7
+    dark = group.values is None and group.colour in (INK, MARK)
+    edge, width = ("white", 0.7) if dark else (INK, 1.1)
     axes.scatter(
         x, y, s=group.size, marker=group.symbol, edgecolors=edge, linewidths=width, label=group.name, **colour
     )

@@ -11,52 +11,57 @@ import numpy as np
 
 from palpate.author.haptic_device import HapticDevice
 from palpate.author.report.device_map import DeviceMap
+from palpate.author.report.device_rows import RATE, device_rows
+from palpate.author.report.estimate import DEVIATIONS
 from palpate.author.report.gather import Sources
 from palpate.author.report.held_out_rows import held_out_rows, pooled, worst_rows
+from palpate.author.report.limits import FULL_DEPTH, UNSTORED_SHARE, limit_rows
 from palpate.author.report.maps import ReachMap
-from palpate.author.report.verdict import JUST_NOTICEABLE, overall, verdict
+from palpate.author.report.node_origins import ORIGINS, node_origins
+from palpate.author.report.on_reach import OnReach
+from palpate.author.report.sizes import rfield_sections
+from palpate.author.report.verdict import JUST_NOTICEABLE, headline, overall, verdict
+from palpate.author.report.verification_rows import verification
 from palpate.fields.largest_stiffness import largest_stiffness
-from palpate.fields.response_field import ResponseField, ResponseNodes
+from palpate.fields.response_field import ResponseField
 
 __all__ = ["contents"]
-
-FULL_DEPTH = 1.0 - 1e-6
-"""A node whose press reached less than this share of depth_max has extrapolated curves."""
 
 WORST_SHARE = 0.05
 """Share of the reach beyond the 95th percentile: n points drawn evenly all miss it with chance 0.95^n."""
 
 
-def contents(
-    sources: Sources, maps: list[ReachMap], device_maps: list[DeviceMap] | None = None
-) -> dict[str, Any]:
-    """The report; `maps` holds one per field, and `device_maps` where the sources have a device."""
+def contents(sources: Sources, reaches: list[OnReach]) -> dict[str, Any]:
+    """The report; `reaches` holds one per field."""
     summary = sources.summary
-    tools = [
-        _tool(field, validation, pairs, reach, summary)
-        for field, validation, pairs, reach in zip(
-            sources.fields, sources.validations, sources.two_contacts, maps, strict=True
-        )
-    ]
-    for tool, made in zip(tools, device_maps or [], strict=False):
-        assert sources.device is not None
-        tool["device"] = _device(sources.device, made, tool["field"]["stiffness_max"])
+    tools = [_tool(sources, index, reach) for index, reach in enumerate(reaches)]
+    for tool, reach in zip(tools, reaches, strict=True):
+        if reach.device is not None and sources.device is not None:
+            tool["device"] = _device(sources.device, reach.device, tool["field"]["stiffness_max"])
     notes = list(sources.notes)
-    for tool, reach in zip(tools, maps, strict=True):
-        if reach.unstored_share > 0.002:
-            share = f"{100 * reach.unstored_share:.1f}"
+    for tool, reach in zip(tools, reaches, strict=True):
+        if reach.map.unstored_share > UNSTORED_SHARE:
+            share = f"{100 * reach.map.unstored_share:.1f}"
             notes.append(
                 f"{tool['name']}: {share} % of the reach's area has no stored field and is drawn plain."
             )
+        notes += [reach.estimate_missing] if reach.estimate_missing else []
+    left_out = summary.get("left_out") or {}
+    places = (summary.get("reach") or {}).get("places")
     return {
-        "format": 1,
+        "format": 2,
         "organ": sources.organ.name,
         "verdict": {
             "state": overall([tool["verdict"] for tool in tools]),
+            "line": headline(tools, left_out, places),
             "sentences": [tool["verdict"]["sentence"] for tool in tools],
         },
         "just_noticeable_difference": JUST_NOTICEABLE,
+        "device_rate": RATE,
         "tools": tools,
+        "left_out": [{"reason": reason, "places": count} for reason, count in left_out.items()],
+        "reach": summary.get("reach"),
+        "verification": verification(sources),
         "files": sources.files,
         "bytes": sum(file["bytes"] for file in sources.files),
         "seconds": summary.get("seconds"),
@@ -82,16 +87,14 @@ _SHOWN_ELSEWHERE = {
     "device",
     "device_unknown",
     "tolerance_met",
+    "left_out",
+    "reach",
 }
 
 
-def _tool(
-    field: ResponseField,
-    validation: dict[str, Any] | None,
-    pairs: dict[str, Any] | None,
-    reach: ReachMap,
-    summary: dict[str, Any],
-) -> dict[str, Any]:
+def _tool(sources: Sources, index: int, reach: OnReach) -> dict[str, Any]:
+    field, validation = sources.fields[index], sources.validations[index]
+    summary, pairs = sources.summary, sources.two_contacts[index]
     name = field.tool.name
     rows = held_out_rows(validation)
     points = (validation or {}).get("points", len(rows))
@@ -99,7 +102,11 @@ def _tool(
     authored = next((one for one in summary.get("tools") or [] if one.get("name") == name), {})
     known = summary.get("failures", field.provenance.get("failed_presses"))
     failures = [one for one in known or [] if one.get("tool", name) == name]
-    return {
+    errors = pooled(validation, "force_error")
+    cooked = sources.asset / f"{name}.rfield"
+    facts = _field(field, reach.map)
+    deepest = facts["force_deepest"]["max"] if facts["force_deepest"] else 0.0
+    tool = {
         "name": name,
         "shape": field.tool.shape,
         "parameters": field.tool.parameters,
@@ -110,19 +117,51 @@ def _tool(
             "points": points,
             "converged": converged,
             "worst_places_missed": (1.0 - WORST_SHARE) ** converged,
-            **{key: len(pooled(validation, key)) for key in ("force_error", "lateral_error", "stuck_error")},
+            "noticeable_share": float(np.mean(np.array(errors) > JUST_NOTICEABLE)) if errors else None,
+            **{
+                key: len(pooled(validation, key))
+                for key in ("force_error", "lateral_error", "stuck_error", "slid_error")
+            },
         },
         "held_out": rows,
         "worst": worst_rows(rows),
+        "fresh": sources.fresh[index],
         "two_contacts": [_pair(pair) for pair in (pairs or {}).get("pairs", [])],
-        "nodes": _nodes(field.nodes, field.depth_max),
+        "two_contacts_depth": (pairs or {}).get("depth"),
+        "nodes": _nodes(field, authored.get("node_origins")),
+        "sampling": authored.get("sampling") or field.provenance.get("sampling"),
+        "estimate": _estimate(reach, rows),
         "failures": failures,
+        "failure_count": len(failures),
         "representation": field.representation,
-        "field": _field(field, reach),
-        "rfield_bytes": authored.get("bytes"),
+        "field": facts,
+        "rfield_bytes": authored.get("bytes") or (cooked.stat().st_size if cooked.is_file() else None),
+        "sections": rfield_sections(cooked),
+        "devices": device_rows(reach.sigma, reach.map, facts["stiffness_max"], deepest),
         "device": None,
-        "bench": _bench(summary.get("bench") or authored.get("bench"), name),
+        "bench": _bench(sources.ticks[index] or summary.get("bench") or authored.get("bench"), name),
         "provenance": _rows(field.provenance),
+    }
+    return tool | {"limits": limit_rows(tool)}
+
+
+def _estimate(reach: OnReach, rows: list[dict[str, Any]]) -> dict[str, Any] | None:
+    """What is estimated over the reach, and how many held-out errors stay below it; adds it to each row."""
+    for row in rows:
+        row["estimate"] = None
+    if reach.estimate is None or reach.error is None:
+        return None
+    judged = [row for row in rows if row["force_error_max"] is not None]
+    places = np.array([[row["contact_point"], row["normal"]] for row in judged]).reshape(-1, 2, 3)
+    for row, value in zip(judged, reach.estimate.at(places[:, 0], places[:, 1]), strict=True):
+        row["estimate"] = float(value)
+    below = sum(row["force_error_max"] <= row["estimate"] for row in judged)
+    return {
+        "deviations": DEVIATIONS,
+        "correction": reach.estimate.correction,
+        "reach": _percentiles(reach.error),
+        "held_out_below": below / len(judged) if judged else None,
+        "held_out": len(judged),
     }
 
 
@@ -146,18 +185,28 @@ def _pair(pair: dict[str, Any]) -> dict[str, float]:
     return {"distance": pair["distance"], **halves, **{name: value[-1] for name, value in worst.items()}}
 
 
-def _nodes(nodes: ResponseNodes, depth_max: float) -> dict[str, Any]:
-    short = nodes.depth_reached < FULL_DEPTH * depth_max
+def _nodes(field: ResponseField, recorded: dict[str, list[str]] | None) -> dict[str, Any]:
+    nodes = field.nodes
+    short = nodes.depth_reached < FULL_DEPTH * field.depth_max
     known = nodes.residual[nodes.pressed]
     kind = np.where(~nodes.pressed, "derived", np.where(short, "extrapolated", "pressed"))
+    why = node_origins(field, recorded)
     return {
         "count": nodes.node_count,
         **{name: int(np.sum(kind == name)) for name in ("pressed", "extrapolated", "derived")},
+        "why": [
+            {"key": key, "words": words, "count": why.count(key)}
+            for key, words in ORIGINS.items()
+            if key in why
+        ],
+        "radii": [member.radius for member in field.family],
+        "tilts": [field.tool.tilt, *(way.tool.tilt for way in field.ways)] if field.ways else [],
         "residual": _percentiles(known),
         "rows": [
             {
                 "position": nodes.position[i],
                 "kind": str(kind[i]),
+                "why": why[i],
                 "depth_reached": nodes.depth_reached[i],
                 "force_deepest": nodes.normal_force[i, -1],
                 "residual": nodes.residual[i],
@@ -183,6 +232,9 @@ def _field(field: ResponseField, reach: ReachMap) -> dict[str, Any]:
         "geometry_blocks": geometry.signed_distance.block_count,
         "geometry_error_p99": geometry.error_p99,
         "flagged_share": geometry.flagged_share,
+        "unstored_share": reach.unstored_share,
+        "area": reach.area,
+        "friction": _range(reach.values["friction_coefficient"][-1]),
         "amplitude_spacing": field.amplitudes.spacing,
         "amplitude_blocks": field.amplitudes.block_count,
     }

@@ -23,7 +23,7 @@ from palpate.author.report.maps import ReachMap
 from palpate.fields.interpolation import energy_hessian, evaluate
 from palpate.fields.response_field import ResponseField
 
-__all__ = ["DeviceMap", "device_map", "stiffness_allowed"]
+__all__ = ["DeviceMap", "device_map", "largest_by_place", "share_without_hum", "stiffness_allowed"]
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,26 @@ def stiffness_allowed(device: HapticDevice) -> float:
     return min(by_damping, 2.0 * device.friction / device.resolution if device.resolution else np.inf)
 
 
-def device_map(ways: Sequence[ResponseField], reach: ReachMap, device: HapticDevice) -> DeviceMap:
-    """Args: ways: the field, by every way of touching; the stiffest of them counts.  reach: of the first."""
-    sigma = np.max([_sigma(way, reach) for way in ways], axis=0)
+def device_map(
+    ways: Sequence[ResponseField], reach: ReachMap, device: HapticDevice, sigma: np.ndarray | None = None
+) -> DeviceMap:
+    """Args: ways: the field, by every way of touching; the stiffest of them counts.  reach: of the first.  sigma: what
+    `largest_by_place` gave, found when None."""
+    sigma = largest_by_place(ways, reach) if sigma is None else sigma
     allowed = stiffness_allowed(device)
+    return DeviceMap(sigma, allowed, share_without_hum(sigma, reach, allowed))
+
+
+def largest_by_place(ways: Sequence[ResponseField], reach: ReachMap) -> np.ndarray:
+    """(V,) N/m at the reach's vertices, over its depths and all `ways`; no device comes into it."""
+    return np.max([_sigma(way, reach) for way in ways], axis=0)
+
+
+def share_without_hum(sigma: np.ndarray, reach: ReachMap, allowed: float) -> float | None:
+    """Share of the reach's area where sigma (V,) is at most `allowed`, N/m; None where there is no reach."""
     area = trimesh.triangles.area(reach.vertices[reach.triangles]) if len(reach.triangles) else np.zeros(0)
     good = (sigma <= allowed)[reach.triangles].mean(axis=1)
-    return DeviceMap(sigma, allowed, float(area @ good / area.sum()) if area.sum() > 0 else None)
+    return float(area @ good / area.sum()) if area.sum() > 0 else None
 
 
 def _sigma(field: ResponseField, reach: ReachMap) -> np.ndarray:

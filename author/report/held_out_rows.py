@@ -13,7 +13,7 @@ import numpy as np
 
 __all__ = ["held_out_rows", "pooled", "worst_rows"]
 
-WORST = 4
+WORST = 10
 """Presses whose curves are drawn (count)."""
 
 _TICK_WORDS = {
@@ -45,8 +45,9 @@ def worst_rows(rows: list[dict[str, Any]]) -> list[int]:
 def pooled(validation: dict[str, Any] | None, key: str) -> list[float]:
     """All judged errors, fractions; `key`: force_error, lateral_error, or stuck_error (of the moves)."""
     presses = (validation or {}).get("presses", [])
-    if key == "stuck_error":
-        found = [move.get("error") for press in presses for move in press.get("moves") or []]
+    if key in ("stuck_error", "slid_error"):
+        kind = "moves" if key == "stuck_error" else "slides"
+        found = [move.get("error") for press in presses for move in press.get(kind) or []]
     else:
         found = [error for press in presses for error in press.get(key) or []]
     return [error for error in found if error is not None]

@@ -6,9 +6,11 @@ At a surface vertex v the tool's reference point goes from c + rho n to c + (rho
 the field's own contact geometry, so that the depth is d exactly although the mesh shown may be coarser.
 
     normal force f . n,    lateral push |f - (f . n) n|,    stiffness d(f . n)/dd (central difference),
-    sticking stiffness k
+    stiffness k of the friction spring, coefficient mu of friction
 
-Triangles where the field is not stored are shown plain, not coloured.
+Triangles where the field is not stored are shown plain, not coloured.  An asset's reach is told triangle by triangle
+from places sampled on it, and now and then misses one in its midst: a triangle whose three neighbours all belong to
+the reach is drawn with them, if the field is stored there.
 """
 
 from __future__ import annotations
@@ -26,9 +28,10 @@ from palpate.fields.response_field import ResponseField
 __all__ = ["QUANTITIES", "ReachMap", "decimated", "reach_map"]
 
 QUANTITIES = {
-    "normal_force": ("Normal force", "N"),
     "stiffness": ("Stiffness, d(force)/d(depth)", "N/m"),
+    "normal_force": ("Normal force", "N"),
     "lateral_push": ("Lateral push, without friction", "N"),
+    "friction_coefficient": ("Coefficient of friction", "1"),
     "sticking_stiffness": ("Stiffness of the friction spring", "N/m"),
 }
 """Name and unit of each map."""
@@ -64,11 +67,19 @@ class ReachMap:
     rest_triangles: np.ndarray
     unstored_share: float
 
+    @property
+    def area(self) -> float:
+        """m2, of the reach that is stored, as it is drawn."""
+        return (
+            float(trimesh.triangles.area(self.vertices[self.triangles]).sum()) if len(self.triangles) else 0.0
+        )
+
 
 def reach_map(organ: OrganGeometry, field: ResponseField, triangle_limit: int = TRIANGLES) -> ReachMap:
     """Maps of `field` over the reach of `organ`."""
     marked = np.zeros(len(organ.triangles), bool)
     marked[organ.reach_triangles] = True
+    marked |= _enclosed(organ.triangles, marked)
     mesh = _compact(organ.vertices, organ.triangles[marked])
     vertices, triangles = _fine(*decimated(*mesh, triangle_limit), field.amplitudes.spacing, triangle_limit)
     rest = decimated(*_compact(organ.vertices, organ.triangles[~marked]), triangle_limit)
@@ -88,6 +99,7 @@ def reach_map(organ: OrganGeometry, field: ResponseField, triangle_limit: int = 
         values["stiffness"][level] = slope
         values["lateral_push"][level] = np.linalg.norm(at.force - normal_force[:, None] * n, axis=1)
         values["sticking_stiffness"][level] = at.friction_stiffness
+        values["friction_coefficient"][level] = at.friction_coefficient
         valid &= at.valid & less.valid & more.valid
 
     stored = valid[triangles].all(axis=1)
@@ -105,6 +117,15 @@ def reach_map(organ: OrganGeometry, field: ResponseField, triangle_limit: int = 
         *_compact(rest_vertices, rest_triangles),
         float(area[~stored].sum() / area.sum()) if area.sum() > 0 else 0.0,
     )
+
+
+def _enclosed(triangles: np.ndarray, marked: np.ndarray) -> np.ndarray:
+    """(F,) bool; triangles all of whose neighbours, and there are three, are marked (F,)."""
+    around = np.zeros(len(triangles), int)
+    one, other = trimesh.graph.face_adjacency(faces=triangles).T if len(triangles) else np.zeros((2, 0), int)
+    np.add.at(around, one, marked[other])
+    np.add.at(around, other, marked[one])
+    return around == 3
 
 
 def decimated(vertices: np.ndarray, triangles: np.ndarray, limit: int) -> tuple[np.ndarray, np.ndarray]:

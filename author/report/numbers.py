@@ -64,6 +64,8 @@ KINDS = {
     "um": lambda v: f"{significant(1e6 * v)} µm",
     "mm_vector": _vector,
     "N": lambda v: f"{significant(v)} N",
+    "Ns/m": lambda v: f"{significant(v)} N s/m",
+    "area": lambda v: f"{significant(1e4 * v)} cm²",
     "N/m": lambda v: f"{significant(v)} N/m",
     "Hz": lambda v: f"{v:.0f} Hz" if v >= 100 else f"{significant(v)} Hz",
     "ns": lambda v: f"{v:.0f} ns",

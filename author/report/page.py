@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -19,8 +21,20 @@ __all__ = ["Numbers", "page"]
 _HERE = Path(__file__).parent
 
 
-def page(report: dict[str, Any], figures: list[dict[str, Any]]) -> str:
-    """The page as text.  `report`: JSON-clean, as in report.json; `figures`: one dict per tool."""
+WIDTH, QUALITY = 1100, 82
+"""Pixels and WebP quality of pictures inside the page; beside it they lie as they were drawn."""
+APART = ("worst_curves",)
+"""Pictures that the page draws itself."""
+
+
+def page(report: dict[str, Any], figures: list[dict[str, Any]], folder: Path | None = None) -> str:
+    """The page as text.
+
+    Args:
+        report: JSON-clean, as in report.json.
+        figures: one dict per tool.
+        folder: where the report's pictures lie, that the page carries too.
+    """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_HERE),
         autoescape=True,
@@ -34,8 +48,28 @@ def page(report: dict[str, Any], figures: list[dict[str, Any]]) -> str:
         style=Markup((_HERE / "style.css").read_text(encoding="utf-8")),
         script=Markup((_HERE / "view.js").read_text(encoding="utf-8")),
         plotly=Markup(get_plotlyjs()),
+        images=_images(report, folder),
         figures=[{name: _script_json(figure) for name, figure in one.items()} for one in figures],
     )
+
+
+def _images(report: dict[str, Any], folder: Path | None) -> dict[str, Markup]:
+    """File name -> data address, of the pictures that the page shows."""
+    from PIL import Image
+
+    out: dict[str, Markup] = {}
+    for picture in report["pictures"] if folder else []:
+        if picture["file"].startswith(APART):
+            continue
+        with Image.open(folder / picture["file"]) as drawn:
+            image = drawn.convert("RGB")
+        if image.width > WIDTH:
+            image = image.resize((WIDTH, round(image.height * WIDTH / image.width)), Image.Resampling.LANCZOS)
+        packed = io.BytesIO()
+        image.save(packed, "WEBP", quality=QUALITY, method=6)
+        code = base64.b64encode(packed.getvalue()).decode()
+        out[picture["file"]] = Markup(f"data:image/webp;base64,{code}")
+    return out
 
 
 class Numbers:

@@ -11,7 +11,7 @@ __all__ = [
     "HUMS",
     "INK",
     "MARK",
-    "NODE",
+    "NODES",
     "ORGAN",
     "QUIET",
     "REACH",
@@ -25,7 +25,8 @@ QUIET = "#9a9a94"
 FEM = "#22252a"
 RENDERED = "#0072b2"
 MARK = "#b04a00"
-NODE = "#22252a"
+NODES = {"seed": "#22252a", "region": "#e58fc0", "error": "#ffffff", "unknown": "#22252a"}
+"""By why a node is there (node_origins.py); on a surface of any colour, with a rim of the other lightness."""
 ORGAN = "#d8cfc4"
 REACH = "#e9dcc3"
 
@@ -40,5 +41,6 @@ ERROR_KINDS = {
     "force_error": ("normal force", RENDERED, "solid"),
     "lateral_error": ("lateral push", "#009e73", "dash"),
     "stuck_error": ("after a sticking move", "#cc79a7", "dashdot"),
+    "slid_error": ("after sliding", "#e69f00", "longdash"),
 }
 """Name, colour and dash of each kind of held-out error."""

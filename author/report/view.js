@@ -4,6 +4,9 @@
 "use strict";
 
 const CONFIG = { displaylogo: false, responsive: true, modeBarButtonsToRemove: ["lasso2d", "select2d"] };
+// matplotlib's magma from pale to dark, as the balls of held-out presses have it
+const MAGMA = ["#fcfdbf", "#fec488", "#fb8861", "#e75263", "#b63679", "#812581", "#4f127b", "#1d1147", "#000004"]
+  .map((colour, k, all) => [k / (all.length - 1), colour]);
 const PLAIN = [[0, "#e9dcc3"], [1, "#e9dcc3"]];
 
 function embedded(id) {
@@ -34,23 +37,28 @@ function control(section, place) {
   const choice = section.querySelector("[data-role=quantity]");
   const level = section.querySelector("[data-role=depth]");
   const shown = section.querySelector("output");
+  maps.quantities.forEach((quantity, k) => choice.add(new Option(quantity.name, quantity.key, k === 0, k === 0)));
+  choice.add(new Option("nothing", ""));
 
   function colour() {
     const d = Number(level.value);
     shown.textContent = maps.depths[d] + " mm";
     const index = maps.quantities.findIndex((quantity) => quantity.key === choice.value);
-    level.disabled = index < 0;
     if (index < 0) {
+      level.disabled = true;
       Plotly.restyle(place, { colorscale: [PLAIN], showscale: false }, [0]);
       return;
     }
-    const count = values[index].length / maps.depths.length;
-    const part = values[index].slice(d * count, (d + 1) * count);
-    let low = Infinity, high = -Infinity;
-    for (const x of part) { if (x < low) low = x; if (x > high) high = x; }
+    const quantity = maps.quantities[index];
+    const vertices = values[index].length / quantity.levels;
+    level.disabled = quantity.levels === 1; // one map for all depths
+    shown.textContent = level.disabled ? "all depths" : shown.textContent;
+    const part = level.disabled ? values[index] : values[index].slice(d * vertices, (d + 1) * vertices);
+    let [low, high] = quantity.ends || [Infinity, -Infinity];
+    if (!quantity.ends) for (const x of part) { if (x < low) low = x; if (x > high) high = x; }
     Plotly.restyle(place, {
-      intensity: [part], cmin: low, cmax: high, colorscale: "Viridis", showscale: true,
-      "colorbar.title.text": maps.quantities[index].unit,
+      intensity: [part], cmin: low, cmax: high, colorscale: quantity.colours === "Magma" ? [MAGMA] : quantity.colours,
+      showscale: true, "colorbar.title.text": quantity.unit,
     }, [0]);
   }
 
@@ -77,3 +85,15 @@ const sections = document.querySelectorAll("section.tool");
 const picker = document.getElementById("tool");
 if (picker) picker.addEventListener("change", () => choose(picker.value));
 if (sections.length) choose(sections[0].dataset.tool);
+
+// On paper: every tool, every table, figures as wide as the sheet.
+const PAPER = 690; // px
+window.addEventListener("beforeprint", () => {
+  for (const section of sections) { section.dataset.was = section.hidden ? "hidden" : ""; section.hidden = false; draw(section); }
+  for (const more of document.querySelectorAll("details")) more.open = true;
+  for (const place of document.querySelectorAll(".figure:not(.organ)")) if (place.layout) Plotly.relayout(place, { width: PAPER });
+});
+window.addEventListener("afterprint", () => {
+  for (const section of sections) section.hidden = section.dataset.was === "hidden";
+  for (const place of document.querySelectorAll(".figure:not(.organ)")) if (place.layout) Plotly.relayout(place, { width: null, autosize: true });
+});

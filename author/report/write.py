@@ -10,10 +10,9 @@ from typing import Any
 
 from palpate.author.console import plain
 from palpate.author.report.contents import contents
-from palpate.author.report.device_map import device_map
 from palpate.author.report.figures import figures
 from palpate.author.report.gather import gather
-from palpate.author.report.maps import reach_map
+from palpate.author.report.on_reach import on_reach
 from palpate.author.report.page import page
 from palpate.author.report.pictures import pictures
 
@@ -25,21 +24,17 @@ def write(asset: Path, summary: dict[str, Any]) -> Path:
     folder = asset / "report"
     folder.mkdir(parents=True, exist_ok=True)
     sources = gather(asset, summary)
-    maps = [reach_map(sources.organ, field) for field in sources.fields]
-    device = sources.device
-    device_maps = [
-        device_map(field.fields_by_way(), reach, device)
-        for field, reach in zip(sources.fields, maps, strict=True)
-        if device
+    reaches = [
+        on_reach(sources.organ, field, sources.device, len(sources.fields)) for field in sources.fields
     ]
-    report = contents(sources, maps, device_maps)
-    drawn, notes = pictures(folder, sources, maps, report, device_maps)
+    report = contents(sources, reaches)
+    drawn, notes = pictures(folder, sources, reaches, report)
     report["pictures"], report["notes"] = drawn, report["notes"] + notes
     report = plain(report)
-    drawings = figures(sources, maps, report)
+    drawings = figures(sources, reaches, report)
     _replace(folder / "report.json", json.dumps(report, indent=1, allow_nan=False, ensure_ascii=False))
     index = folder / "index.html"
-    _replace(index, page(report, drawings))
+    _replace(index, page(report, drawings, folder))
     return index
 
 

@@ -63,6 +63,7 @@ def read_header(source: bytes | str | os.PathLike) -> np.ndarray:
     if (int(header["layout_hash"]), int(header["header_size"])) != known.get(version):
         raise RFieldError(f"layout version {version}; this palpate reads version {VERSION}: cook it again")
     size = int(header["header_size"])
+    header = np.frombuffer(data[:size].ljust(len(begin), b"\0"), dtype=HEADER_DTYPE, count=1)[0].copy()
     if header["file_size"] != len(data):
         raise RFieldError(
             f"{len(data)} bytes where the header says {header['file_size']}: truncated or appended to"

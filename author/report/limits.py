@@ -19,7 +19,7 @@ FULL_DEPTH = 1.0 - 1e-6
 GEOMETRY_SHARE = 0.01
 """Of depth_max; error of the contact geometry at the 99th percentile."""
 FILE_BYTES = 2**20
-"""For 150 cm2 of reach and a tool."""
+"""For 150 cm² of reach and a tool."""
 UNSTORED_SHARE = 0.002
 """Of the reach's area, drawn plain for want of a stored field; less is the border's triangles."""
 TICK_BARS = (
@@ -67,7 +67,7 @@ def limit_rows(tool: dict[str, Any]) -> list[dict[str, Any]]:
             not any(row["runtime"] for row in tool["held_out"]), "Its words stand in the table of held-out presses.",
         ),
         _row("Cooked file", FILE_BYTES, tool["rfield_bytes"], "bytes",
-             (tool["rfield_bytes"] or 0) <= FILE_BYTES, "For 150 cm2 of reach and a tool."),
+             (tool["rfield_bytes"] or 0) <= FILE_BYTES, "For 150 cm² of reach and a tool."),
     ]  # fmt: skip
     for key, column, bar, name in TICK_BARS:
         value = (bench.get(key) or {}).get(column)

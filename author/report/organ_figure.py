@@ -27,7 +27,7 @@ LIFT = 0.01
 """Share of the organ's size by which marks float above the surface, to be seen."""
 AROUND, MARGIN = 1.6, 1.1
 """What is shown over the reach's own height, at most, and the picture's margin."""
-LIGHT = {"ambient": 0.7, "diffuse": 0.45, "specular": 0.04, "roughness": 0.9, "fresnel": 0.02}
+LIGHT = {"ambient": 0.82, "diffuse": 0.3, "specular": 0.04, "roughness": 0.9, "fresnel": 0.02}
 
 
 def organ_maps(reach: OnReach, tool: dict[str, Any]) -> dict[str, Any]:
@@ -53,8 +53,11 @@ def organ_maps(reach: OnReach, tool: dict[str, Any]) -> dict[str, Any]:
 
 
 def varies(values: np.ndarray) -> bool:
-    """Whether values (L, V) are worth a map: somewhere above 0, and not the same everywhere to 1 part in 10,000."""
-    return bool(values.size and values.any() and np.ptp(values[-1]) > 1e-4 * np.abs(values[-1]).max())
+    """Whether values (L, V) are worth a map: above 0, and more than 1 % apart within the middle 98 % of vertices."""
+    if not values.size or not values.any():
+        return False
+    low, high = np.quantile(values[-1], [0.01, 0.99])
+    return bool(high - low > 0.01 * np.abs(values[-1]).max())
 
 
 def error_top(reach: OnReach, tool: dict[str, Any]) -> float:

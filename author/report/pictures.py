@@ -17,6 +17,7 @@ import numpy as np
 from palpate.author.report.composition import Marks, Scale, compose
 from palpate.author.report.curve_picture import curve_picture
 from palpate.author.report.device_picture import compose_device, device_caption, device_views
+from palpate.author.report.estimate import DEVIATIONS
 from palpate.author.report.gather import Sources
 from palpate.author.report.maps import QUANTITIES, ReachMap
 from palpate.author.report.numbers import asked, percent
@@ -65,8 +66,12 @@ def pictures(
         else:
             for one in drawn:
                 mine, images = images[: len(one.views)], images[len(one.views) :]
-                compose(files[one.name], one.caption, one.views, mine, one.marks, one.scale)
-                row = {"file": files[one.name].name, "tool": tool["name"], "caption": one.caption}
+                compose(files[one.name], one.caption, one.views, mine, one.marks, one.scale, one.note)
+                row = {
+                    "file": files[one.name].name,
+                    "tool": tool["name"],
+                    "caption": ". ".join(filter(None, (one.caption, one.note))),
+                }
                 made.append(row)
             if reach.device and sources.device:
                 path = folder / f"device_map{suffix}.png"
@@ -91,6 +96,7 @@ class _Surface:
     views: list[View]
     marks: list[Marks]
     scale: Scale | None = None
+    note: str = ""
 
 
 def _surfaces(on_reach: OnReach, tool: dict[str, Any]) -> list[_Surface]:
@@ -136,15 +142,14 @@ def _errors(
     labels = [percent(error, 2) for error in errors] if len(held) <= LABELS else None
     marks = [Marks(places, "held-out presses", "o", 150.0, ERRORS, 100 * errors, labels)] if held else []
     mark = None if tolerance is None else (100 * tolerance, f"asked\n{asked(tolerance)}")
-    measured = f"largest normal-force error at each of {len(held)} held-out presses (balls)"
+    measured = f"Balls: largest measured at each of {len(held)} held-out presses."
     mesh, parts = bare, [measured] if held else []
     if on_reach.error is not None:
         mesh = Mesh(reach.vertices, reach.triangles, ERRORS, 100 * on_reach.error, (0.0, top))
-        parts.append("what the nodes let expect between them (surface)")
-    caption = f"{name}: {' and '.join(parts)}"
-    return _Surface(
-        "error_map", caption, _views(reach, mesh), marks, Scale(ERRORS, 0.0, top, "error, %", mark)
-    )
+        parts.append(f"Surface: estimated from the nodes, {DEVIATIONS:g} standard deviations.")
+    title = f"{name}: error of the normal force"
+    scale = Scale(ERRORS, 0.0, top, "error, %", mark)
+    return _Surface("error_map", title, _views(reach, mesh), marks, scale, " ".join(parts))
 
 
 def _views(reach: ReachMap, mesh: Mesh, shown: np.ndarray | None = None, margin: float = 1.45) -> list[View]:

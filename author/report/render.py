@@ -73,7 +73,7 @@ def _draw(view: View) -> np.ndarray:
         else:
             surface["values"] = mesh.values
             plotter.add_mesh(
-                surface, scalars="values", cmap=mesh.colour, clim=mesh.limits, ambient=0.72, diffuse=0.33, **look
+                surface, scalars="values", cmap=mesh.colour, clim=mesh.limits, ambient=0.86, diffuse=0.18, **look
             )  # fmt: skip
     plotter.camera.focal_point = view.middle
     plotter.camera.position = view.middle + 10.0 * view.height * eye

@@ -21,14 +21,20 @@ import pytest
 import trimesh
 from known_organ import DEPTH, RADIUS, KnownOrgan, field_of
 
+from palpate.author.certify import certify
+from palpate.author.command_line import main
 from palpate.author.console import plain
+from palpate.author.device_profiles import PROFILES, profile_named
 from palpate.author.haptic_device import HapticDevice
 from palpate.author.report import write_report
 from palpate.author.report.contents import contents
+from palpate.author.report.estimate import ErrorEstimate
 from palpate.author.report.gather import gather
 from palpate.author.report.maps import reach_map
 from palpate.author.report.numbers import percent
+from palpate.author.report.on_reach import on_reach
 from palpate.author.report.organ_figure import organ_figure
+from palpate.fields.cook import write_rfield
 from palpate.fields.interpolation import evaluate
 from palpate.fields.organ_geometry import OrganGeometry, Support
 from palpate.fields.response_field import ResponseField
@@ -109,6 +115,8 @@ SUMMARY = {
     "cpu_seconds": 5101.5,
     "tolerance_met": False,
     "stages": [{"name": "surface and tetrahedra", "seconds": 95.2}, {"name": "presses", "seconds": 2500.0}],
+    "left_out": {"thinner than 15.0 mm": 12},
+    "reach": {"places": 900, "pressable": 888, "spacing": 1e-3},
     "failures": [{"tool": TOOL, "contact_point": [0.0, 0.015, 0.0285], "reason": "the patch has no good mesh"}],
     "versions": {"palpate": "0.1.0"},
     "device": dataclasses.asdict(HapticDevice("toy", rate=200.0, damping=0.2, assumed=("no delay (--delay)",))),
@@ -127,7 +135,12 @@ def asset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_asset(folder, organ_geometry(), field)
     (folder / "validation").mkdir()
     (folder / "validation" / f"{TOOL}.json").write_text(json.dumps(validation(field)))
-    write_report(folder, SUMMARY)
+    later = validation(field) | {"seed": 9, "points": 4}
+    (folder / "validation" / f"{TOOL}-seed9-4.json").write_text(json.dumps(later))
+    write_rfield(read_field(folder, TOOL), folder / f"{TOOL}.rfield")
+    origins = {"seed": [field.nodes.press_hash[0]], "error": [field.nodes.press_hash[1]]}
+    tools = [SUMMARY["tools"][0] | {"node_origins": origins}]
+    write_report(folder, SUMMARY | {"tools": tools})
     return folder
 
 
@@ -199,7 +212,7 @@ def at(report: dict[str, Any], path: str) -> Any:
 
 def test_page_loads_nothing(asset: Path, html: str) -> None:
     page = Page(html)
-    assert page.loaded == []
+    assert [address for address in page.loaded if not address.startswith("data:image/webp;base64,")] == []
     for word in ("@import", "url("):
         assert word not in page.styles
     for link in page.links:
@@ -223,6 +236,11 @@ def test_verdict_says_what_was_asked_and_reached(html: str, report: dict[str, An
     ):
         assert part in sentence
     assert report["verdict"]["state"] == "missed" and "1 held-out press failed or stopped early" in sentence
+    line = report["verdict"]["line"]
+    assert line.startswith("Not met: ball") and "\n" not in line
+    assert "1 press that build the field and 1 press that judge it failed or stopped early" in line
+    assert "12 of 900 sampled places were left out (thinner than 15.0 mm)" in line
+    assert [line] == [text for path, _, text in Page(html).values if path == "verdict/line"]
     assert [sentence] == [text for path, _, text in Page(html).values if path == "tools/0/verdict/sentence"]
 
 
@@ -241,7 +259,8 @@ def test_every_held_out_press_is_in_the_twin(asset: Path, report: dict[str, Any]
         np.testing.assert_allclose(drawn, lateral, rtol=1e-9, atol=1e-12)
 
 
-SCALE = {"%": 100, "mm": 1e3, "µm": 1e6, "N": 1, "N/m": 1, "s": 1, "min": 1 / 60, "h": 1 / 3600, "B": 1, "": 1,
+SCALE = {"N s/m": 1, "cm²": 1e4, "%": 100, "mm": 1e3, "µm": 1e6, "N": 1, "N/m": 1, "s": 1, "min": 1 / 60, "h": 1 / 3600,
+         "B": 1, "": 1,
          "KiB": 2.0**-10, "MiB": 2.0**-20, "ns": 1, "ms": 1, "Hz": 1}  # fmt: skip
 
 
@@ -268,7 +287,11 @@ def test_numbers_on_the_page_are_those_of_the_twin(html: str, report: dict[str, 
 
 
 def test_no_number_stands_outside_of_the_twin(html: str) -> None:
-    assert set(re.findall(r"[0-9.]+ %", Page(html).text)) <= {"99 %", "99.9 %"}  # column heads
+    assert set(re.findall(r"[0-9.]+ %", Page(html).text)) <= {
+        "99 %",
+        "99.9 %",
+        "1 %",
+    }  # column heads, a limit
 
 
 def test_failures_are_shown_with_their_reason(html: str, report: dict[str, Any]) -> None:
@@ -285,6 +308,92 @@ def test_bench_and_sizes_reach_the_page(html: str, report: dict[str, Any]) -> No
     assert values["tools/0/bench/stick_ns/p50"] == "184 ns"
     assert values["tools/0/rfield_bytes"] == "248 KiB"
     assert {file["path"] for file in report["files"]} >= {"ellipsoid.usda", "fields/ball.usdc"}
+
+
+def test_the_page_stays_small(asset: Path) -> None:
+    assert (asset / "report" / "index.html").stat().st_size < 8e6
+
+
+def test_authors_see_maps_and_why_nodes_are_there(html: str, report: dict[str, Any]) -> None:
+    maps = json.loads(re.findall(r'id="maps-1">(.*?)</script>', html, re.DOTALL)[0])
+    kinds = {quantity["key"]: quantity for quantity in maps["quantities"]}
+    assert {"stiffness", "normal_force", "lateral_push", "error"} <= set(kinds)
+    assert "friction_coefficient" not in kinds  # 0.1 everywhere is no map, but stated
+    assert kinds["error"]["ends"][0] == 0.0 and kinds["error"]["ends"][1] >= 100 * 2 * TOLERANCE
+    nodes = report["tools"][0]["nodes"]
+    assert sum(one["count"] for one in nodes["why"]) == NODES == len(nodes["rows"])
+    assert {one["key"] for one in nodes["why"]} == {"seed", "error", "unknown"}
+    assert report["tools"][0]["field"]["friction"]["max"] == pytest.approx(0.1, rel=1e-3)
+
+
+def test_estimated_errors_are_small_at_nodes_and_judged_by_held_out_ones(
+    asset: Path, report: dict[str, Any]
+) -> None:
+    field = read_field(asset, TOOL)
+    estimate = ErrorEstimate(field)
+    away = np.array([[0.024, 0.0, ORGAN.semi_axes[2]]])
+    at_nodes = estimate.at(field.nodes.position, field.nodes.normal)
+    assert at_nodes.max() < estimate.at(ORGAN.foot(away), ORGAN.normal(ORGAN.foot(away)))[0]
+    told = report["tools"][0]["estimate"]
+    rows = [row for row in report["tools"][0]["held_out"] if row["force_error_max"] is not None]
+    below = [row["force_error_max"] <= row["estimate"] for row in rows]
+    assert told["held_out_below"] == np.mean(below) and told["held_out"] == len(rows)
+
+
+def test_engineers_see_every_device_as_certify_judges_it(asset: Path, report: dict[str, Any]) -> None:
+    tool = report["tools"][0]
+    assert [row["name"] for row in tool["devices"]] == [profile.name for profile in PROFILES]
+    for row in (tool["devices"][0], tool["devices"][8]):
+        damping = profile_named(row["name"]).damping
+        said = certify(asset / f"{TOOL}.rfield", rate=1000.0, damping=damping)
+        assert row["rate_needed"] == pytest.approx(said["rate_needed"], rel=1e-6)
+        assert row["met"] == said["met"]
+
+
+def test_engineers_see_bytes_and_limits(asset: Path, report: dict[str, Any]) -> None:
+    tool = report["tools"][0]
+    assert sum(row["bytes"] for row in tool["sections"]) == (asset / f"{TOOL}.rfield").stat().st_size
+    limits = {row["name"]: row for row in tool["limits"]}
+    assert (
+        limits["Tick in contact, sticking, median"]["state"] == "beyond"
+    )  # 184.2 ns where 180 are asked for
+    assert limits["Tick in contact, sticking, 99.9th percentile"]["state"] == "within"
+    assert limits["Tick in free space, median"]["state"] == "unknown"  # None was measured
+    assert limits["Cooked file"]["state"] == "within"
+
+
+def test_validators_see_protocol_worst_points_and_later_presses(html: str, report: dict[str, Any]) -> None:
+    tool = report["tools"][0]
+    assert "just-noticeable difference; measured at 2.5 to 10 N" in html and "They never become nodes" in html
+    errors = [tool["held_out"][i]["force_error_max"] for i in tool["worst"]]
+    assert errors == sorted(errors, reverse=True) and len(errors) == min(10, POINTS)
+    assert [one["record"] for one in tool["fresh"]] == [f"{TOOL}-seed9-4.json"]
+    pooled = [e for row in tool["validation"]["presses"] for e in row["force_error"] if e is not None]
+    assert tool["judged"]["noticeable_share"] == np.mean(np.array(pooled) > 0.07)
+
+
+def test_a_report_is_written_anew_from_what_is_kept(
+    asset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    copy = Path(shutil.copytree(asset, tmp_path / "copy"))
+    monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
+    (copy / "summary.json").write_text(json.dumps(SUMMARY))
+    row = {"name": "Hertz", "reference": "half space", "value": 1.01, "error": 0.01, "bar": 0.03, "met": True}
+    table = tmp_path / "verification.json"
+    table.write_text(json.dumps({"rows": [row], "mechanics": "another text"}))
+    (copy / "validation" / f"{TOOL}-ticks.json").write_text(json.dumps({"sha256": "of another file"}))
+    assert (
+        main(["report", str(copy), "--verification", str(table), "--json"]) == 1
+    )  # the tolerance is not met
+    said = json.loads(capsys.readouterr().out)
+    assert said["verdict"]["line"].startswith("Not met: ball")
+    twin = json.loads((copy / "report" / "report.json").read_text())
+    assert twin["verification"]["met"] == twin["verification"]["count"] == 1
+    assert twin["verification"]["same"] is None  # the asset does not say what pressed it
+    assert any("tick times of ball are of another cooked field" in note for note in twin["notes"])
+    assert main(["report", str(copy), "--verification", str(copy / "summary.json")]) == 2
+    assert "is not what palpate verify --json prints" in capsys.readouterr().err
+    assert main(["report", str(tmp_path / "nowhere")]) == 2
 
 
 def test_maps_are_the_known_response(asset: Path) -> None:
@@ -330,16 +439,16 @@ def test_extrapolated_and_derived_nodes_are_marked(asset: Path) -> None:
     reached[0], pressed[1] = 0.6 * DEPTH, False
     nodes = dataclasses.replace(field.nodes, depth_reached=reached, pressed=pressed)
     changed = dataclasses.replace(sources, fields=[dataclasses.replace(field, nodes=nodes)])
-    maps = [reach_map(sources.organ, field)]
-    tool = plain(contents(changed, maps))["tools"][0]
+    reaches = [on_reach(sources.organ, field, None)]
+    tool = plain(contents(changed, reaches))["tools"][0]
     assert (tool["nodes"]["pressed"], tool["nodes"]["extrapolated"], tool["nodes"]["derived"]) == (
         NODES - 2,
         1,
         1,
     )
-    drawn = {trace.name: trace for trace in organ_figure(field, maps[0], tool).data}
-    assert len(drawn["nodes, extrapolated"].x) == len(drawn["nodes, derived"].x) == 1
-    assert drawn["nodes, extrapolated"].marker.symbol != drawn["nodes, pressed"].marker.symbol
+    drawn = {trace.name: trace for trace in organ_figure(field, reaches[0], tool).data}
+    assert len(drawn["node: stopped early (1)"].x) == len(drawn["node: not pressed (1)"].x) == 1
+    assert drawn["node: stopped early (1)"].marker.symbol != drawn[f"node ({NODES - 2})"].marker.symbol
 
 
 def test_without_opengl_the_report_says_so(
@@ -348,7 +457,7 @@ def test_without_opengl_the_report_says_so(
     copy = Path(shutil.copytree(asset, tmp_path / "copy"))
     monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
     page = write_report(copy, SUMMARY).read_text(encoding="utf-8")
-    assert "organ.png, error_map.png, stiffness_map.png could not be drawn on this machine" in page
+    assert "organ.png, stiffness_map.png, error_map.png could not be drawn on this machine" in page
     assert [path.name for path in (copy / "report").glob("*.png")] == ["worst_curves.png"]
 
 
@@ -359,7 +468,7 @@ def test_without_validation_and_summary_nothing_is_claimed(
     shutil.rmtree(copy / "validation")
     monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
     page = write_report(copy, {}).read_text(encoding="utf-8")
-    assert "Not judged." in page and "no held-out press has been compared" in page
+    assert "Not judged: ball was never compared" in page and "no held-out press has been compared" in page
     assert json.loads((copy / "report" / "report.json").read_text())["verdict"]["state"] == "unjudged"
     assert list((copy / "report").glob("*.png")) == []
 
@@ -371,6 +480,7 @@ def test_each_tool_has_its_section(asset: Path, tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr("palpate.author.report.render.sys.executable", shutil.which("false"))
     page = write_report(copy, SUMMARY).read_text(encoding="utf-8")
     assert page.count('<section class="tool"') == page.count("<option>") == 2
+    assert page.count('class="figure organ"') == 2 and page.count("plotly.js v") == 1
     report = json.loads((copy / "report" / "report.json").read_text())
     assert [tool["verdict"]["state"] for tool in report["tools"]] == ["missed", "unjudged"]
     assert report["tools"][1]["failures"] == [] and report["tools"][1]["rfield_bytes"] is None

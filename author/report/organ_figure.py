@@ -216,7 +216,7 @@ def _nodes(figure: go.Figure, field: ResponseField, tool: dict[str, Any], lift: 
                 name=f"node{': ' if words else ''}{words} ({len(chosen)})",
                 meta="nodes",
                 marker={
-                    "size": 5 if kind == "pressed" else 7,
+                    "size": 4 if kind == "pressed" else 7,
                     "color": NODES[why],
                     "symbol": symbols[kind],
                     "line": {"color": "white" if NODES[why] == INK else INK, "width": 1.5},

@@ -27,6 +27,8 @@ LIFT = 0.01
 """Share of the organ's size by which marks float above the surface, to be seen."""
 AROUND, MARGIN = 1.6, 1.1
 """What is shown over the reach's own height, at most, and the picture's margin."""
+ALWAYS = ("stiffness", "normal_force")
+"""Maps that are there even where they are flat."""
 LIGHT = {"ambient": 0.82, "diffuse": 0.3, "specular": 0.04, "roughness": 0.9, "fresnel": 0.02}
 
 
@@ -39,7 +41,7 @@ def organ_maps(reach: OnReach, tool: dict[str, Any]) -> dict[str, Any]:
             "levels": len(values), "values": _packed(values),
         }
         for key, values in reach.map.values.items()
-        if varies(values)
+        if values.size and (key in ALWAYS or varies(values))
     ]  # fmt: skip
     if reach.error is not None and reach.error.size:
         quantities.append(
@@ -53,11 +55,12 @@ def organ_maps(reach: OnReach, tool: dict[str, Any]) -> dict[str, Any]:
 
 
 def varies(values: np.ndarray) -> bool:
-    """Whether values (L, V) are worth a map: above 0, and more than 1 % apart within the middle 98 % of vertices."""
+    """Whether values (L, V) are worth a map: above 0, and more than 3 % apart within the middle 98 % of vertices.
+    Where a field ends, its lattice changes even a constant by that much."""
     if not values.size or not values.any():
         return False
     low, high = np.quantile(values[-1], [0.01, 0.99])
-    return bool(high - low > 0.01 * np.abs(values[-1]).max())
+    return bool(high - low > 0.03 * np.abs(values[-1]).max())
 
 
 def error_top(reach: OnReach, tool: dict[str, Any]) -> float:

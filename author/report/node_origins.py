@@ -34,8 +34,8 @@ def node_origins(field: ResponseField, recorded: dict[str, list[str]] | None) ->
     hashes = [str(one) for one in field.nodes.press_hash]
     if not recorded:
         return _inferred(field, hashes)
-    why = {key: word for word, keys in recorded.items() for key in keys}
-    length = min((len(key) for key in why), default=0)
+    length = min((len(key) for keys in recorded.values() for key in keys), default=0)
+    why = {key[:length]: word for word, keys in recorded.items() for key in keys}
     parts = [[part[:length] for part in name.split("+")] for name in hashes]
     return [next((why[part] for part in own if part in why), "unknown") for own in parts]
 

@@ -237,7 +237,7 @@ def test_the_entry_point_needs_neither_usd_nor_warp_to_read_a_scene(write_scene:
 def test_only_commands_that_work_are_registered() -> None:
     names = {info.name or info.callback.__name__ for info in app.registered_commands if info.callback}
     planned = set("plan author press verify cook validate certify tradeoff extremes".split())
-    planned |= {"view", "inspect", "replay", "bench", "doctor", "schema", "scan", "detect", "report"}
+    planned |= {"view", "inspect", "replay", "bench", "doctor", "schema", "scan", "detect", "report", "rigid"}
     assert names <= planned
     assert {"plan", "author", "press", "cook", "validate", "inspect", "bench", "doctor"} <= names
 

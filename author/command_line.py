@@ -38,7 +38,7 @@ from palpate.author.arguments import (
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.extremes_command import extremes
-from palpate.author.report_command import report_options
+from palpate.author.report_command import report
 from palpate.author.rigid_command import rigid
 from palpate.author.scan_command import detect, scan
 from palpate.author.tradeoff_command import tradeoff
@@ -463,7 +463,7 @@ def doctor(as_json: Json = False) -> None:
 app.command()(scan)
 app.command()(detect)
 app.command()(rigid)
-app.command(name="report")(report_options)
+app.command()(report)
 
 
 @app.command(hidden=True)

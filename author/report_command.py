@@ -13,10 +13,10 @@ import typer
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 
-__all__ = ["report", "report_options"]
+__all__ = ["asset_report", "report"]
 
 
-def report_options(
+def report(
     asset: Annotated[Path, typer.Argument(metavar="ASSET", help="asset folder")],
     bench: Annotated[
         bool, typer.Option("--bench", help="time the tick of each tool here, ten seconds each, and keep it")
@@ -30,10 +30,10 @@ def report_options(
     ] = False,
 ) -> None:
     """Write an asset's report anew from what is kept; nothing is pressed."""
-    raise typer.Exit(answer_of(lambda: report(asset, bench, verification), as_json))
+    raise typer.Exit(answer_of(lambda: asset_report(asset, bench, verification), as_json))
 
 
-def report(asset: Path, bench: bool = False, verification: Path | None = None) -> Answer:
+def asset_report(asset: Path, bench: bool = False, verification: Path | None = None) -> Answer:
     """Writes <asset>/report/ (report/__init__.py).
 
     Args:

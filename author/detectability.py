@@ -197,6 +197,9 @@ def detect_lines(result: dict[str, Any]) -> str:
     for row in result["deepest_felt"]:
         key = (row["stiffer"], row["radius"])
         known = row["under"]
+        if not row["known"]:
+            lines.append(f"{key[0]:7g}  {1e3 * key[1]:11g}  {', '.join(rows[key])}; not known")
+            continue
         told = (
             "not felt"
             if known is None
@@ -247,5 +250,7 @@ def _deepest_felt(
             reached = reached_under(list(mine), list(mine.values()))
             known = [c for c in mine.values() if c is not None]
             at_least = bool(known) and all(c >= JUST_NOTICEABLE for c in known)
-            rows.append({"stiffer": k, "radius": r, "under": reached, "at_least": at_least})
+            rows.append(
+                {"stiffer": k, "radius": r, "under": reached, "at_least": at_least, "known": bool(known)}
+            )
     return rows

@@ -28,7 +28,7 @@ def detectability_picture(path: Path, result: dict[str, Any]) -> None:
         figsize=(max(7.5, 4.6 * len(stiffer) + 1.2), 5.4), dpi=130, facecolor="white", layout="constrained"
     )
     jnd = 100.0 * result["just_noticeable"]
-    panels = figure.subplots(1, len(stiffer), sharey=True, squeeze=False)[0]
+    panels = figure.subplots(1, len(stiffer), sharex=True, sharey=True, squeeze=False)[0]
     for axes, factor in zip(panels, stiffer, strict=True):
         axes.set_yscale("log")
         for k, radius in enumerate(radii):
@@ -58,7 +58,14 @@ def detectability_picture(path: Path, result: dict[str, Any]) -> None:
     panels[0].set_ylim(
         min([1.0, *(max(LEAST, 0.7 * value) for value in shown)]), max([20.0, *(1.4 * v for v in shown)])
     )
-    panels[-1].legend(fontsize=8.5, frameon=False, loc="upper right")
+    lines = {
+        line.get_label(): line
+        for axes in panels
+        for line in axes.get_lines()
+        if "radius" in str(line.get_label())
+    }
+    if lines:  # a panel may lack a radius: its presses failed
+        panels[-1].legend(handles=list(lines.values()), fontsize=8.5, frameon=False, loc="upper right")
     x, y, z = (f"{1e3 * v:.1f}" for v in result["contact_point"])
     figure.suptitle(
         f"{result['tool']} pressed {1e3 * result['depth']:.3g} mm deep into {result['scene']} at ({x}, {y}, {z}) mm, "

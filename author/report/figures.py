@@ -116,7 +116,7 @@ def worst_figure(tool: dict[str, Any], noticeable: float) -> go.Figure | None:
         text for k in range(bands) for text in (*titles[k * columns : (k + 1) * columns], *[""] * columns)
     ]
     figure = make_subplots(
-        rows=2 * bands, cols=columns, vertical_spacing=0.15 / (2 * bands), horizontal_spacing=0.05,
+        rows=2 * bands, cols=columns, vertical_spacing=0.3 / (2 * bands), horizontal_spacing=0.05,
         row_heights=[0.6, 0.4] * bands, subplot_titles=titles,
     )  # fmt: skip
     for index, row in enumerate(worst):
@@ -153,7 +153,7 @@ def worst_figure(tool: dict[str, Any], noticeable: float) -> go.Figure | None:
         figure.update_yaxes(title_text="normal, N", row=2 * band + 1, col=1)
         figure.update_yaxes(title_text="lateral, mN", row=2 * band + 2, col=1)
     figure.update_layout(legend={"orientation": "h", "y": -0.1 / bands, "x": 0, "yanchor": "top"})
-    return _dressed(figure, 80 + 400 * bands)
+    return _dressed(figure, 80 + 430 * bands)
 
 
 def residual_figure(tool: dict[str, Any]) -> go.Figure | None:

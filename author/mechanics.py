@@ -14,7 +14,7 @@ from importlib.resources import files
 
 from palpate.author.scene_types import digest
 
-__all__ = ["ROOTS", "mechanics_modules", "mechanics_version"]
+__all__ = ["ROOTS", "mechanics_modules", "mechanics_version", "module_meaning"]
 
 PACKAGE = "palpate.fem_offline"
 ROOTS = ("deformed", "dragging", "far_field", "membrane", "patch", "press", "signed_distance", "site", "tool")
@@ -25,6 +25,12 @@ ROOTS = ("deformed", "dragging", "far_field", "membrane", "patch", "press", "sig
 def mechanics_version() -> str:
     """Hex digest of the mechanics' source."""
     return digest({name: ast.dump(_meaning(_tree(name))) for name in mechanics_modules()})
+
+
+@cache
+def module_meaning(name: str) -> str:
+    """Hex digest of one module's source, for what only some presses keep."""
+    return digest(ast.dump(_meaning(_tree(name))))
 
 
 @cache

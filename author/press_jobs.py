@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.errors import Interrupted, PalpateError
-from palpate.author.mechanics import mechanics_version
+from palpate.author.mechanics import mechanics_version, module_meaning
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.scene_types import digest
 from palpate.author.store import Result, Store
@@ -45,6 +45,7 @@ class PressJob:
         shape: keep the deformed patch at the deepest state as well (arrays named "shape_...").
         refinement: divides the edges of the patch's tetrahedra.
         patch_radius: m, of the patch; the mechanics' own when None, which leaves the key as it is without.
+        surface: keep how the organ's surface moves as well, and how it follows a stuck tool (arrays named "surface_...").
     """
 
     contact_point: tuple[float, float, float]
@@ -58,11 +59,15 @@ class PressJob:
     drag: tuple[float, ...] = ()
     shape: bool = False
     patch_radius: float | None = None
+    surface: bool = False
 
     def key(self, mesh: OrganMesh) -> str:
         asked = {**asdict(self), "tool": self.tool.hash}
         if self.patch_radius is None:
             del asked["patch_radius"]
+        if not asked.pop("surface"):  # what no scene asked for is in no key
+            return digest({"organ": mesh.hash, "job": asked, "mechanics": mechanics_version()})
+        asked["surface"] = module_meaning("surface_displacement")
         return digest({"organ": mesh.hash, "job": asked, "mechanics": mechanics_version()})
 
 

@@ -103,6 +103,8 @@ def solve(
             shown = deformed_patch(site, found.u, found.contact.traction)
             arrays |= {f"shape_{name}": getattr(shown, name) for name in shown.__dataclass_fields__}
             values["shape_depth"] = depth
+        if done.surface is not None:
+            arrays |= done.surface.arrays()
     clock.moves("patch", "far_field", far_fields.cpu_seconds)
     values["seconds"] = time.perf_counter() - begun
     values["cpu_seconds"] = _cpu_time() - cpu
@@ -118,6 +120,7 @@ class _Pressed:
     record: Any
     deepest: tuple[float, Any] | None
     tried: list[dict[str, Any]]
+    surface: Any
 
 
 def _press_until_vouched(
@@ -136,19 +139,28 @@ def _press_until_vouched(
         deepest: dict[str, Any] = {}
         with clock("patch"):
             site = open_site(organ, np.array(job.contact_point), tool, size, fidelity, far_fields, tilt)
+        surface = _surface(organ, site, job) if job.surface else None
+
+        def watch(depth: float, found: Any, seen: dict[str, Any] = deepest, surface: Any = surface) -> None:
+            seen.update(depth=depth, found=found)
+            if surface is not None:
+                surface.watch(depth, found)
+
         with clock("ladder"):
             record = press(
-                site,
-                tool,
-                np.array(job.depths),
-                moves=_moves(job),
-                progress=progress,
-                watch=lambda depth, found, seen=deepest: seen.update(depth=depth, found=found),
+                site, tool, np.array(job.depths), moves=_moves(job), progress=progress, watch=watch
             )
         worst = float(record.far_field_error.max())
         if fidelity != "near_field" or not worst > VOUCHED:
-            return _Pressed(site, record, (deepest["depth"], deepest["found"]) if deepest else None, tried)
+            last = (deepest["depth"], deepest["found"]) if deepest else None
+            return _Pressed(site, record, last, tried, surface)
         tried.append({"fidelity": fidelity, "estimate": worst})
+
+
+def _surface(organ: Any, site: Any, job: PressJob) -> Any:
+    from palpate.fem_offline.surface_displacement import SurfaceDisplacement
+
+    return SurfaceDisplacement(organ, site, len(job.depths))
 
 
 def _cpu_time() -> float:

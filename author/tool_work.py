@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
@@ -80,7 +81,8 @@ class ToolWork:
             expected = "fewer, or a larger reach"
             raise InputError(scene.problem("accuracy.held_out", scene.accuracy.held_out, what, expected))
         held = self.samples.points[self._held]
-        self.held_jobs = self._held_out(held)
+        self._surface = "deformation" in scene.effects
+        self.held_jobs = [replace(job, surface=self._surface) for job in self._held_out(held)]
         near = self.held_jobs[:NEAR_CHECKS] if scene.accuracy.fidelity == "near_field" else []
         self.near_jobs = [PressJob(job.contact_point, job.tool, job.depths, "near_field") for job in near]
         self.failures: list[dict[str, Any]] = []
@@ -151,6 +153,7 @@ class ToolWork:
             fidelity,
             refinement=self._scene.accuracy.patch_refinement or 1.0,
             patch_radius=self._scene.accuracy.patch_radius,
+            surface=self._surface,
         )
 
     @property

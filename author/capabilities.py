@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from palpate.author.deformation_rules import deformation_problems
 from palpate.author.errors import InputError
 from palpate.author.place import Place
 from palpate.author.scene import Scene
@@ -117,6 +118,8 @@ def _tool(key: str, tool: Tool, scene: Scene) -> Iterator[Unsupported]:
     yield from _one_of(f"{key}.shape", tool.shape, "tool shapes", "the shape")
     if tool.shape not in CAPABILITIES["tool shapes"]:
         return
+    if "deformation" in scene.effects:
+        yield from deformation_problems(key, tool)
     families = CAPABILITIES["several radii of a tool"] or ()
     if tool.radius is not None and len(tool.radius) > 1 and tool.shape not in families:
         supported = "one radius" + (f", or several of a {', '.join(families)}" if families else "")

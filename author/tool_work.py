@@ -82,6 +82,7 @@ class ToolWork:
             raise InputError(scene.problem("accuracy.held_out", scene.accuracy.held_out, what, expected))
         held = self.samples.points[self._held]
         self._surface = "deformation" in scene.effects
+        self._deformation: dict[str, Any] = {}
         self.held_jobs = [replace(job, surface=self._surface) for job in self._held_out(held)]
         near = self.held_jobs[:NEAR_CHECKS] if scene.accuracy.fidelity == "near_field" else []
         self.near_jobs = [PressJob(job.contact_point, job.tool, job.depths, "near_field") for job in near]
@@ -185,6 +186,13 @@ class ToolWork:
             self.node_outcomes,
             self._provenance(self._scene, self.tool),
         )
+        if self._surface:
+            from palpate.author.deformation_stage import with_deformation
+
+            depths = ladder(self.depth_max).tolist()
+            held = self._outcomes(self.held_jobs)
+            field, found = with_deformation(field, self.shape, depths, self.node_outcomes, held)
+            self._deformation = {"deformation_error": found.pop("error"), "deformation": found}
         return field
 
     def _provenance(self, scene: Scene, tool: Tool) -> dict[str, Any]:
@@ -217,11 +225,12 @@ class ToolWork:
 
     def cook(self, out: Path, field: ResponseField) -> dict[str, Any]:
         """Writes what the runtime reads; the tool's row of the summary."""
-        return {**cooked(out / f"{field.tool.name}.rfield", field), "nodes": field.nodes.node_count}
+        row = cooked(out / f"{field.tool.name}.rfield", field)
+        return {**row, "nodes": field.nodes.node_count, **self._deformation}
 
     def validate(self, out: Path, field: ResponseField, row: dict[str, Any]) -> dict[str, Any]:
         """Judges what `cook` wrote and said in `row`."""
-        judged = {"tool": self.tool.name, "seed": self.seed, **self._judged(field, row)}
+        judged = {"tool": self.tool.name, "seed": self.seed, **self._judged(field, row), **self._deformation}
         path = out / "validation" / f"{self.tool.name}.json"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(judged))

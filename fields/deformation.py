@@ -5,8 +5,8 @@
 With the contact point c, its normal n, r = X - c, R = |r| and the directions t = (r - (r.n) n) / R, b = n x t, a surface
 point X moves by
 
-    u = w [ n A0 + t B0                                      + n (g.t) A1 + t (g.t) B1 + b (g.b) C1
-            + n (t.G t) A2 + t (t.G t) B2 + b (b.G t) C2     + n (s.t) A3 + t (s.t) B3 + b (s.b) C3 ]
+    u = w [ n A0 + t B0                                      + n (g.t) A1 + t (g.t) B1 + g C1
+            + n (t.G t) A2 + t (t.G t) B2 + b (b.G t) C2     + n (s.t) A3 + t (s.t) B3 + s C3 ]
 
 A..C are functions of R and depth d: few tables shared by the whole reach, times amplitudes that change along the surface.
 Harmonic 0 is the dimple of an even half space; 1 (a vector g) and 2 (a traceless tensor G) are what thickness, edges,
@@ -14,7 +14,7 @@ supports and stiffer parts beside the contact make of it (a Fourier series about
 to be continuous); the last is how the surface follows a stuck tool that has moved by s.  w falls to zero for points on the
 other side of the organ.  Amplitudes are kriged from the presses (Matern-5/2 over contact point and normal).
 
-Tables have their knots at even steps of x = R / (R + scale), and of depth; both are interpolated by Catmull and Rom's
+What depends on t is zero at R = 0 (A of harmonic 0 and C1, C3 do not).  Tables have their knots at even steps of x = R / (R + scale), and of depth; both are interpolated by Catmull and Rom's
 cubics (1974), so u is continuous with its slopes wherever the contact point is.  They end at zero: no point farther than
 `radius` moves.  A point that the tool would still cover is put onto the tool: `gap` is the tool's signed distance.
 
@@ -27,7 +27,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from palpate.fields.field_error import FieldError
 from palpate.fields.interpolation import evaluate
 from palpate.fields.response_field import ResponseField
 
@@ -140,11 +139,12 @@ def deform(
     R, t, b, behind = local_axes(points[near], c, n)
     j, w = radial_weights(R, model.scale, model.radius, p0.shape[0])
     f0, f1, f2 = (np.einsum("vi,vi...->v...", w, p[j]) for p in (_padded(p0), _padded(p1), _padded(p2)))
-    f1 = np.einsum("vcx,vcx->vc", f1, np.stack([t, t, b], axis=1))
+    whole = f1[:, 2]
+    f1 = np.einsum("vcx,vx->vc", f1[:, :2], t)
     f2 = np.einsum("vcxy,vcx,vy->vc", f2, np.stack([t, t, b], axis=1), t)
-    f = f1 + f2
-    f[:, :2] += f0
-    u[near] = behind[:, None] * (f[:, :1] * n + f[:, 1:2] * t + f[:, 2:] * b)
+    f = f2
+    f[:, :2] += f0 + f1
+    u[near] = behind[:, None] * (f[:, :1] * n + f[:, 1:2] * t + f[:, 2:] * b + whole)
     if tip is not None and axis is not None:
         u[near] += _uncovered(model.gap, points[near] + u[near], tip, axis)
     return u
@@ -247,10 +247,3 @@ def _uncovered(gap: ToolGap, points: np.ndarray, tip: np.ndarray, axis: np.ndarr
     push = np.where(covered, -value / np.where(covered, size, 1.0), 0.0)
     along = across / np.maximum(distance, 1e-12)[:, None]
     return push[:, None] * (up[:, None] * axis + out[:, None] * along)
-
-
-def refuse_unusable(model: Deformation) -> None:
-    """Raises FieldError where a number is not finite."""
-    for name in ("stuck", "node", "normal", "mean", "weight"):
-        if not np.isfinite(getattr(model, name)).all():
-            raise FieldError(f"deformation: {name} has numbers that are not finite")

@@ -135,38 +135,32 @@ def _profiles(press: SurfacePress, scale: float, radius: float, harmonics: int):
     radial[:, 2] -= radial[:, 0]
     radial = radial[:, 1:-1]
     e1, e2 = _frame(n)
-    angle = [(np.ones(len(R)), np.ones(len(R)), None)]
-    angle += [(t @ e, t @ e, b @ e) for e in (e1, e2)]
+    one = np.ones(len(R))
+    cases = [[(one, n), (one, t)], *([(t @ e, n), (t @ e, t), (one, e)] for e in (e1, e2))]
     for G in _tensors(e1, e2):
         tGt = np.einsum("vx,xy,vy->v", t, G, t)
-        angle.append((tGt, tGt, np.einsum("vx,xy,vy->v", b, G, t)))
-    directions = (np.broadcast_to(n, t.shape), t, b)
+        cases.append([(tGt, n), (tGt, t), (np.einsum("vx,xy,vy->v", b, G, t), b)])
     area = np.sqrt(_area(R))  # points are dense around the contact; every ring counts by its width, not by its points
 
     def matrix(cases):
+        """(3 V, J) of each function: rows x, y, z of each point."""
         columns = []
-        for case in cases:
-            for value, direction in zip(case, directions, strict=True):
-                if value is not None:
-                    # rows: x, y, z of each point
-                    column = (w * value)[:, None, None] * direction[:, :, None] * radial[:, None, :]
-                    columns.append((area[:, None, None] * column).reshape(-1, J))
+        for value, direction in (pair for case in cases for pair in case):
+            towards = np.broadcast_to(direction, t.shape)
+            column = (area * w * value)[:, None, None] * towards[:, :, None] * radial[:, None, :]
+            columns.append(column.reshape(-1, J))
         return columns
 
     at = knots(scale, radius, J)
     fade = _fade(at / radius)
     reach = float(R.max())
-    cases = angle[: (1, 3, 5)[harmonics - 1]]
+    cases = cases[: (1, 3, 5)[harmonics - 1]]
     blocks = matrix(cases)
     right = press.displacement[:, use].astype(float)
     right = (area[None, :, None] * right).reshape(len(right), -1).T
-    # functions that have a direction but no place to point to at R = 0 are zero there
-    free = []
-    for i, case in enumerate(cases):
-        for k, value in enumerate(case):
-            if value is not None:
-                free.append(not (i == 0 and k == 0) and not (i in (1, 2) and k in (1, 2)))
-    solution = _solved(blocks, right, free, at, reach)
+    # what depends on t has nowhere to point to at R = 0 and is zero there
+    zero = [not ((i == 0 and k == 0) or (i in (1, 2) and k == 2)) for i, case in enumerate(cases) for k in range(len(case))]
+    solution = _solved(blocks, right, zero, at, reach)
     tables = [np.zeros((len(press.depth), J, 2, 1)), np.zeros((len(press.depth), J, 3, 2)), np.zeros((len(press.depth), J, 3, 2))]
     tables[0][:, :, 0, 0], tables[0][:, :, 1, 0] = solution[0], solution[1]
     place = 2
@@ -177,17 +171,17 @@ def _profiles(press: SurfacePress, scale: float, radius: float, harmonics: int):
                 place += 1
     for table in tables:
         table *= fade[None, :, None, None]
-    return *tables, _stuck(press, use, w, directions, t, b, e1, e2, matrix, area, at, reach) * fade[None, :, None]
+    return *tables, _stuck(press, use, n, t, (e1, e2), matrix, area, at, reach) * fade[None, :, None]
 
 
-def _stuck(press, use, w, directions, t, b, e1, e2, matrix, area, at, reach):
+def _stuck(press, use, n, t, tangents, matrix, area, at, reach):
     """(K, J, 3): one profile for both tangents, at the depths that are known; between and before, linear."""
     known = []
     for stuck in press.stuck:
-        blocks = [np.concatenate(pair) for pair in zip(
-            matrix([(t @ e1, t @ e1, b @ e1)]), matrix([(t @ e2, t @ e2, b @ e2)]), strict=True)]  # fmt: skip
-        right = [(area[:, None] * (stuck[use].astype(float) @ e)).reshape(-1, 1) for e in (e1, e2)]
-        solution = _solved(blocks, np.concatenate(right), [True, False, False], at, reach)
+        both = [matrix([[(t @ e, n), (t @ e, t), (np.ones(len(t)), e)]]) for e in tangents]
+        blocks = [np.concatenate(pair) for pair in zip(*both, strict=True)]
+        right = [(area[:, None] * (stuck[use].astype(float) @ e)).reshape(-1, 1) for e in tangents]
+        solution = _solved(blocks, np.concatenate(right), [True, True, False], at, reach)
         known.append(np.stack([s[0] for s in solution], axis=-1))
     out = np.zeros((len(press.depth), len(at), 3))
     if known:
@@ -199,7 +193,7 @@ def _stuck(press, use, w, directions, t, b, e1, e2, matrix, area, at, reach):
     return out
 
 
-def _solved(blocks, right, free, at, reach):
+def _solved(blocks, right, at_zero, at, reach):
     """(len(blocks), K, J): least squares of right (rows, K)."""
     J = len(at)
     A = np.concatenate(blocks, axis=1)
@@ -211,9 +205,9 @@ def _solved(blocks, right, free, at, reach):
     unit = np.trace(normal) / len(normal)
     level = np.zeros((J, J))
     level[:2, :2] = LEVEL * np.array([[1.0, -1.0], [-1.0, 1.0]])  # few points tell what is right below the tool
-    for i, at_zero in enumerate(free):
-        normal[i * J : (i + 1) * J, i * J : (i + 1) * J] += unit * (rule if at_zero else rule + level)
-    zero = [i * J for i, at_zero in enumerate(free) if at_zero]
+    for i, vanishes in enumerate(at_zero):
+        normal[i * J : (i + 1) * J, i * J : (i + 1) * J] += unit * (rule if vanishes else rule + level)
+    zero = [i * J for i, vanishes in enumerate(at_zero) if vanishes]
     keep = np.setdiff1d(np.arange(len(normal)), zero)
     out = np.zeros_like(load)
     out[keep] = cho_solve(cho_factor(normal[np.ix_(keep, keep)]), load[keep])

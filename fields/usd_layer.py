@@ -245,6 +245,6 @@ def _to_usd(value: Any, usd_type: str) -> Any:
         return maker(*(float(v) + 0.0 for v in value))
     if usd_type == "matrix4d":
         return Gf.Matrix4d(*(np.asarray(value, float) + 0.0).ravel().tolist())
-    if usd_type == "int3":
-        return Gf.Vec3i(*(int(v) for v in value))
+    if usd_type in ("int2", "int3"):
+        return (Gf.Vec2i if usd_type == "int2" else Gf.Vec3i)(*(int(v) for v in value))
     return {"int": int, "bool": bool}.get(usd_type, str)(value)

@@ -11,6 +11,7 @@
         Ways/Tilt_1 ...           PalpateWayAPI: a further way of touching, with its own Nodes and Amplitudes
         EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI; the last two with friction only
         Amplitudes                PalpateLatticeAPI
+        Deformation               PalpateDeformationAPI, where the scene asked for it (usd_deformation.py)
         Tool                      Sphere or Mesh (purpose guide), resting on the first node
 """
 
@@ -35,6 +36,7 @@ from palpate.fields.response_field import (
     TiltedWay,
     ToolReference,
 )
+from palpate.fields.usd_deformation import author_deformation, read_usd_deformation
 from palpate.fields.usd_layer import (
     author,
     author_schema,
@@ -128,6 +130,7 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
     channels = [f"{letter}_{r}" for letter, curves in letters for r in range(curves.curve_count)]
     _lattice(child(response, "Amplitudes", "Scope"), field.amplitudes, channels)
     _ways(response, field, channels)
+    author_deformation(response, field.layers)
     _tool_preview(response, field)
     return layer
 
@@ -187,6 +190,7 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
         provenance=json.loads(values["provenance"]),
         family=_read_family(response, tool, nodes),
         ways=_read_ways(response, tool),
+        layers=read_usd_deformation(response),
     )
     check_field(field)
     return field

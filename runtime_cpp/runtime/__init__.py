@@ -10,6 +10,7 @@ Units are SI, axes the organ's own while it has no pose; `palpate.h` (see `inclu
 """
 
 from palpate.runtime.bench import bench
+from palpate.runtime.deformation import DeformationInfo, deformation, deformation_info
 from palpate.runtime.field import Field, FieldInfo
 from palpate.runtime.layout import Adhesion, Region, Response, Tick
 from palpate.runtime.library import RuntimeFailure, cmake_folder, include_folder, version
@@ -19,6 +20,7 @@ from palpate.runtime.session import Config, Session
 __all__ = [
     "Adhesion",
     "Config",
+    "DeformationInfo",
     "Field",
     "FieldInfo",
     "Organ",
@@ -29,6 +31,8 @@ __all__ = [
     "Tick",
     "bench",
     "cmake_folder",
+    "deformation",
+    "deformation_info",
     "include_folder",
     "version",
 ]

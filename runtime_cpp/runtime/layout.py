@@ -11,6 +11,9 @@ import numpy as np
 __all__ = [
     "ABI_VERSION",
     "CONFIG",
+    "DEFORMATION_INFO",
+    "DEFORMATION_INPUT",
+    "DEFORMATION_RESULT",
     "FIELD_INFO",
     "RESPONSE",
     "SAMPLE",
@@ -22,7 +25,7 @@ __all__ = [
     "Tick",
 ]
 
-ABI_VERSION = 3
+ABI_VERSION = 4
 
 
 class Region(IntEnum):
@@ -185,5 +188,44 @@ RESPONSE = np.dtype(
         ("organ_work", "<f8"),  # J
         ("injected", "<f8"),  # J
         ("way_cosine", "<f8"),
+    ]
+)
+
+DEFORMATION_INFO = np.dtype(
+    [
+        ("size", "<u4"),
+        ("node_count", "<u4"),
+        ("bytes", "<u8"),
+        ("radius", "<f8"),  # m
+        ("depth_end", "<f8"),  # m
+        ("error_p95", "<f8"),
+        ("error_max", "<f8"),
+        ("error_p95_length", "<f8"),  # m
+        ("error_max_length", "<f8"),  # m
+        ("error_within", "<f8"),  # m
+    ]
+)
+
+DEFORMATION_INPUT = np.dtype(
+    [
+        ("size", "<u4"),
+        ("flags", "<u4"),
+        ("reference_point", "<f8", (3,)),  # m
+        ("anchor", "<f8", (3,)),  # m
+        ("surface_offset", "<f8"),  # m
+        ("organ_position", "<f8", (3,)),  # m
+        ("organ_orientation", "<f8", (4,)),  # x y z w
+    ]
+)
+
+DEFORMATION_RESULT = np.dtype(
+    [
+        ("size", "<u4"),
+        ("reserved", "<u4"),
+        ("contact_point", "<f8", (3,)),  # m
+        ("normal", "<f8", (3,)),
+        ("depth", "<f8"),  # m
+        ("radius", "<f8"),  # m
+        ("moved_count", "<u8"),
     ]
 )

@@ -85,6 +85,8 @@ def library() -> ctypes.CDLL:
         ("palpate_organ_size", size, []),
         ("palpate_organ_init", ctypes.c_int, [pointer, size, out]),
         ("palpate_organ_move", ctypes.c_int, [pointer, pointer, pointer, ctypes.c_double]),
+        ("palpate_deformation_describe", ctypes.c_int, [pointer, pointer]),
+        ("palpate_deformation", ctypes.c_int, [pointer, pointer, pointer, pointer, size, pointer, pointer]),
         ("palpate_tick", ctypes.c_uint32, [pointer, pointer, pointer]),
         ("palpate_tick_batch", ctypes.c_uint32, [pointer, pointer, pointer, size]),
     ):

@@ -26,6 +26,9 @@ STRUCTS = {
     "palpate_config": layout.CONFIG,
     "palpate_tool_state": layout.STATE,
     "palpate_tool_response": layout.RESPONSE,
+    "palpate_deformation_info": layout.DEFORMATION_INFO,
+    "palpate_deformation_input": layout.DEFORMATION_INPUT,
+    "palpate_deformation_result": layout.DEFORMATION_RESULT,
 }
 
 

@@ -62,7 +62,7 @@ extern "C" {
 #endif
 
 /* Changes when a struct or a function changes in a way that compiled code would notice. */
-#define PALPATE_ABI_VERSION 3u
+#define PALPATE_ABI_VERSION 4u
 
 typedef struct palpate_field palpate_field;
 typedef struct palpate_session palpate_session;
@@ -361,6 +361,56 @@ PALPATE_API uint32_t palpate_tick(palpate_session* session, const palpate_tool_s
  * element to the next; the size in every state must be set.  Returns all status bits that occurred, or-ed. */
 PALPATE_API uint32_t palpate_tick_batch(palpate_session* session, const palpate_tool_state* states,
                                         palpate_tool_response* responses, size_t count) PALPATE_REAL_TIME;
+
+/* ---- deformation ---------------------------------------------------------------------------------------------- */
+
+/* How the organ's surface moves under the tool, for graphics: of fields whose scene names the effect `deformation`
+ * (PALPATE_LAYER_MISSING for others).  Meant for the thread that draws: no allocation, lock or system call, but exponentials, and a time
+ * that grows with the vertices.  Zero without contact, continuous in where the tool is; see palpate_deformation_info for how true. */
+typedef struct palpate_deformation_info {
+    uint32_t size;
+    uint32_t node_count;      /* presses that it was made of */
+    uint64_t bytes;
+    double radius;            /* m; no vertex farther than this from the contact point moves */
+    double depth_end;         /* m; deeper, the last slope goes on, up to twice this depth */
+    double error_p95;         /* |displacement - FEM's| as a share of the depth, on presses that never built it: 95th percentile */
+    double error_max;         /* and worst; -1 where nobody judged */
+    double error_p95_length;  /* m; the same two as lengths */
+    double error_max_length;
+    double error_within;      /* m from the contact point; where they were judged */
+} palpate_deformation_info;
+
+/* Fills *info; info->size must be set. */
+PALPATE_API palpate_status palpate_deformation_describe(const palpate_field* field, palpate_deformation_info* info) PALPATE_NOEXCEPT;
+
+/* Where the tool is; copy the fields of the same name from a tick's response. */
+typedef struct palpate_deformation_input {
+    uint32_t size;
+    uint32_t flags;              /* PALPATE_INPUT_ORGAN_POSE: the points are in world axes, the organ is where the pose says */
+    double reference_point[3];   /* m */
+    double anchor[3];            /* m; a stuck contact drags the surface along by reference_point - anchor */
+    double surface_offset;       /* m; how far the surface has yielded */
+    double organ_position[3];    /* m; read with PALPATE_INPUT_ORGAN_POSE only */
+    double organ_orientation[4]; /* x y z w, likewise */
+} palpate_deformation_input;
+
+/* What moved, in the organ's axes; zeros where nothing is pressed or the input is not usable. */
+typedef struct palpate_deformation_result {
+    uint32_t size;
+    uint32_t reserved;
+    double contact_point[3];     /* m; only vertices within `radius` of it have moved */
+    double normal[3];
+    double depth;                /* m */
+    double radius;               /* m */
+    uint64_t moved_count;        /* of the vertices asked for */
+} palpate_deformation_result;
+
+/* Displacements of vertices at rest (x y z, m, the organ's axes, any mesh of its surface) to `displacement`, likewise.
+ * indices: the `count` vertices to look at, from a host that knows which are near; null: the first `count`.  Vertices that do not
+ * move get zeros.  result: may be null.  A vertex never ends inside the tool; between the vertices of a coarse mesh it may show. */
+PALPATE_API palpate_status palpate_deformation(const palpate_field* field, const palpate_deformation_input* input, const float* vertices,
+                                               const uint32_t* indices, size_t count, float* displacement,
+                                               palpate_deformation_result* result) PALPATE_NOEXCEPT;
 
 #ifdef __cplusplus
 }

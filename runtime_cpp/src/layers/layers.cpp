@@ -3,6 +3,9 @@
 #include "layers/layers.h"
 
 #include "layers/transient.h"
+#ifdef PALPATE_LAYER_DEFORMATION
+#include "layers/deformation.h"
+#endif
 
 namespace palpate {
 namespace {
@@ -19,7 +22,11 @@ constexpr known_layer known_layers[layer_count] = {
 #else
     {"transient", nullptr},
 #endif
+#ifdef PALPATE_LAYER_DEFORMATION
+    {"deformation", prove_deformation},
+#else
     {"deformation", nullptr},
+#endif
     {"rigid", nullptr},
 };
 

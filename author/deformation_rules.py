@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the effect `deformation` can do of a scene's tools: its tables are functions of the distance from the contact."""
+"""What the effect `deformation` can do of a scene's tools: its tables are functions of distance from the contact."""
 
 from __future__ import annotations
 

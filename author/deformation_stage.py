@@ -4,7 +4,7 @@
 
     error = |u(runtime's formula) - u(FEM)| / depth
 
-at surface points that lie evenly (one in each cell of a twentieth of the distance judged), at every depth of the ladder.
+at surface points that lie evenly (one in each cell of a twentieth of the distance judged), at every depth.
 """
 
 from __future__ import annotations
@@ -41,7 +41,9 @@ def tool_gap(shape: ToolShape, depth: float) -> ToolGap:
     height = step * np.arange(-2, int(np.ceil(1.5 * depth / step)) + 2)
     across = step * np.arange(int(np.ceil(1.6 * GAP_STEPS)))
     grid = np.stack(np.meshgrid(height, across, indexing="ij"), axis=-1)
-    offset = tool.offset_along(np.array([0.0, 0.0, -1.0]))  # the lowest point lies so far below the reference point
+    offset = tool.offset_along(
+        np.array([0.0, 0.0, -1.0])
+    )  # the lowest point lies so far below the reference point
     points = np.stack([grid[..., 1], np.zeros_like(grid[..., 1]), grid[..., 0] - offset], axis=-1)
     gap = tool.distance(points.reshape(-1, 3), Pose.upright(np.zeros(3))).gap
     return ToolGap(step, gap.reshape(grid.shape[:2]))
@@ -82,7 +84,13 @@ def with_deformation(
     error = judged_deformation(field, model, judges, within)
     stored = {name: value for name, value in error.items() if isinstance(value, float)}
     data = deformation_bytes(replace(model, error=stored))
-    found = {"error": error, "bytes": len(data), "nodes": len(known), "ranks": list(model.ranks), "radius": radius}
+    found = {
+        "error": error,
+        "bytes": len(data),
+        "nodes": len(known),
+        "ranks": list(model.ranks),
+        "radius": radius,
+    }
     return replace(field, layers={**field.layers, "deformation": data}), found
 
 

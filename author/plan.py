@@ -25,8 +25,8 @@ __all__ = ["fidelities_of", "plan", "planned_mesh_size"]
 _STORED = {
     "response": "stored energy, normal force and lateral gradient over depth at each node",
     "friction": "stiffness of the friction spring and friction coefficient over depth at each node",
-    "deformation": "how the surface moves over depth and distance, for graphics: about 0.1 MB a tool from the same "
-    "presses, each a tenth longer; nothing in the tick",
+    "deformation": "how the surface moves over depth and distance, for graphics: about 0.1 MB a tool, from the "
+    "same presses; nothing in the tick",
 }
 
 MESH_SIZE_SHARE = 1.0 / 32.0

@@ -45,7 +45,7 @@ class PressJob:
         shape: keep the deformed patch at the deepest state as well (arrays named "shape_...").
         refinement: divides the edges of the patch's tetrahedra.
         patch_radius: m, of the patch; the mechanics' own when None, which leaves the key as it is without.
-        surface: keep how the organ's surface moves as well, and how it follows a stuck tool (arrays named "surface_...").
+        surface: keep how the organ's surface moves, and how it follows a stuck tool (arrays named "surface_...").
     """
 
     contact_point: tuple[float, float, float]

@@ -81,7 +81,9 @@ class SurfaceDisplacement:
         site, body = self.site, self.site.body
         settings = DEFAULT_SETTINGS
         penalty = settings.sticking_penalty * settings.penalty * site.youngs_modulus
-        held = Sticking(site.surface, penalty, site.surface.points(found.u), found.contact.traction, np.zeros(3))
+        held = Sticking(
+            site.surface, penalty, site.surface.points(found.u), found.contact.traction, np.zeros(3)
+        )
         body.linearise(found.u, held.hessian(found.u, False), 0.0, stuck=True)
         body.renew()
         free = body.equation >= 0
@@ -101,7 +103,9 @@ class SurfaceDisplacement:
         zero = np.zeros((1, len(self._node), 3))
         return {
             "surface_point": self._point,
-            "surface_displacement": np.concatenate([zero, *(s[None] for s in self._states)]).astype(np.float32),
+            "surface_displacement": np.concatenate([zero, *(s[None] for s in self._states)]).astype(
+                np.float32
+            ),
             "surface_stuck": np.array(self._stuck, np.float32).reshape(-1, len(self._node), 3, 2),
             "surface_stuck_depth": np.array(self._stuck_depth),
         }

@@ -2,21 +2,25 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the organ's surface moves under one tool, for graphics: a function of where the tool is.
 
-With the contact point c, its normal n, r = X - c, R = |r| and the directions t = (r - (r.n) n) / R, b = n x t, a surface
-point X moves by
+With the contact point c, its normal n, r = X - c, R = |r| and the directions t = (r - (r.n) n) / R, b = n x t, a point
+X of the surface moves by
 
-    u = w [ n A0 + t B0                                      + n (g.t) A1 + t (g.t) B1 + g C1
-            + n (t.G t) A2 + t (t.G t) B2 + b (b.G t) C2     + n (s.t) A3 + t (s.t) B3 + s C3 ]
+    u = w [ n A0 + t B0
+            + n (g.t) A1 + t (g.t) B1 + g C1
+            + n (t.G t) A2 + t (t.G t) B2 + b (b.G t) C2
+            + n (s.t) A3 + t (s.t) B3 + s C3 ]
 
-A..C are functions of R and depth d: few tables shared by the whole reach, times amplitudes that change along the surface.
-Harmonic 0 is the dimple of an even half space; 1 (a vector g) and 2 (a traceless tensor G) are what thickness, edges,
-supports and stiffer parts beside the contact make of it (a Fourier series about the normal, without a frame that would have
-to be continuous); the last is how the surface follows a stuck tool that has moved by s.  w falls to zero for points on the
-other side of the organ.  Amplitudes are kriged from the presses (Matern-5/2 over contact point and normal).
+A..C are functions of R and depth d: few tables shared by the whole reach, times amplitudes that change along the
+surface.  Harmonic 0 is the dimple of an even half space; 1 (a vector g) and 2 (a traceless tensor G) are what
+thickness, edges, supports and stiffer parts beside the contact make of it (a Fourier series about the normal, without
+a frame that would have to be continuous); the last is how the surface follows a stuck tool that has moved by s.  w
+falls to zero for points on the other side of the organ.  Amplitudes are kriged from the presses (Matern-5/2 over
+contact point and normal).
 
-What depends on t is zero at R = 0 (A of harmonic 0 and C1, C3 do not).  Tables have their knots at even steps of x = R / (R + scale), and of depth; both are interpolated by Catmull and Rom's
-cubics (1974), so u is continuous with its slopes wherever the contact point is.  They end at zero: no point farther than
-`radius` moves.  A point that the tool would still cover is put onto the tool: `gap` is the tool's signed distance.
+What depends on t is zero at R = 0 (A0, C1 and C3 are not).  Tables have their knots at even steps of x = R / (R +
+scale), and of depth; both are interpolated by Catmull and Rom's cubics (1974), so u is continuous with its slopes
+wherever the contact point is.  They end at zero: no point farther than `radius` moves.  A point that the tool would
+still cover is put onto the tool: `gap` is the tool's signed distance.
 
 This file is the definition; runtime_cpp/src/layers/deformation.cpp is held against it.
 """
@@ -87,7 +91,7 @@ class Deformation:
         return a, b, c
 
     def amplitudes(self, c: np.ndarray, n: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """a (R0,), g (R1, 3) and G (R2, 3, 3) at a contact point (3,) m with normal (3,); g and G lie in the tangent plane."""
+        """a (R0,), g (R1, 3), G (R2, 3, 3) at a contact point (3,) m with normal (3,); g, G in the tangent plane."""
         z = np.concatenate([self.node - c, self.normal_length * (self.normal - n)], axis=1)
         far = SQRT5 * np.sqrt(np.sum(z * z, axis=1))
         r0, r1, r2 = self.ranks
@@ -179,9 +183,7 @@ def local_axes(
     return R, t, np.cross(n, t), x * x * (3.0 - 2.0 * x)
 
 
-def radial_weights(
-    R: np.ndarray, scale: float, radius: float, count: int
-) -> tuple[np.ndarray, np.ndarray]:
+def radial_weights(R: np.ndarray, scale: float, radius: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Knots (V, 4) of a padded table, and Catmull-Rom weights (V, 4), at distances R (V,) m up to radius."""
     x = (R / (R + scale)) * ((radius + scale) / radius) * (count - 1)
     cell = np.clip(np.floor(x).astype(int), 0, count - 2)

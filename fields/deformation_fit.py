@@ -3,10 +3,10 @@
 """From the surface displacements of presses to `Deformation`: profiles, shared tables, kriged amplitudes.
 
 1. Each press, at each depth, becomes profiles of R by least squares over its surface points: 2 of harmonic 0, 3 along
-   each tangent of harmonic 1, 3 for each of the two traceless tangent tensors of harmonic 2.  Second differences along R
-   are held small where points are few, and values where there are none.
-2. A singular value decomposition over all presses leaves a few shared tables for each harmonic (Eckart and Young, 1936),
-   each press weighing the same.
+   each tangent of harmonic 1, 3 for each of the two traceless tangent tensors of harmonic 2.  Second differences along
+   R are held small where points are few, and values where there are none.
+2. A singular value decomposition over all presses leaves a few shared tables for each harmonic (Eckart and Young,
+   1936), each press weighing the same.
 3. Amplitudes are kriged; the covariance's length is the one that predicts left-out presses best (Dubrule 1983).
 """
 
@@ -140,7 +140,9 @@ def _profiles(press: SurfacePress, scale: float, radius: float, harmonics: int):
     for G in _tensors(e1, e2):
         tGt = np.einsum("vx,xy,vy->v", t, G, t)
         cases.append([(tGt, n), (tGt, t), (np.einsum("vx,xy,vy->v", b, G, t), b)])
-    area = np.sqrt(_area(R))  # points are dense around the contact; every ring counts by its width, not by its points
+    area = np.sqrt(
+        _area(R)
+    )  # points are dense around the contact; every ring counts by its width, not by its points
 
     def matrix(cases):
         """(3 V, J) of each function: rows x, y, z of each point."""
@@ -159,9 +161,17 @@ def _profiles(press: SurfacePress, scale: float, radius: float, harmonics: int):
     right = press.displacement[:, use].astype(float)
     right = (area[None, :, None] * right).reshape(len(right), -1).T
     # what depends on t has nowhere to point to at R = 0 and is zero there
-    zero = [not ((i == 0 and k == 0) or (i in (1, 2) and k == 2)) for i, case in enumerate(cases) for k in range(len(case))]
+    zero = [
+        not ((i == 0 and k == 0) or (i in (1, 2) and k == 2))
+        for i, case in enumerate(cases)
+        for k in range(len(case))
+    ]
     solution = _solved(blocks, right, zero, at, reach)
-    tables = [np.zeros((len(press.depth), J, 2, 1)), np.zeros((len(press.depth), J, 3, 2)), np.zeros((len(press.depth), J, 3, 2))]
+    tables = [
+        np.zeros((len(press.depth), J, 2, 1)),
+        np.zeros((len(press.depth), J, 3, 2)),
+        np.zeros((len(press.depth), J, 3, 2)),
+    ]
     tables[0][:, :, 0, 0], tables[0][:, :, 1, 0] = solution[0], solution[1]
     place = 2
     for h in range(1, harmonics):
@@ -204,7 +214,9 @@ def _solved(blocks, right, at_zero, at, reach):
     rule = SMOOTHING * second.T @ second + ridge
     unit = np.trace(normal) / len(normal)
     level = np.zeros((J, J))
-    level[:2, :2] = LEVEL * np.array([[1.0, -1.0], [-1.0, 1.0]])  # few points tell what is right below the tool
+    level[:2, :2] = LEVEL * np.array(
+        [[1.0, -1.0], [-1.0, 1.0]]
+    )  # few points tell what is right below the tool
     for i, vanishes in enumerate(at_zero):
         normal[i * J : (i + 1) * J, i * J : (i + 1) * J] += unit * (rule if vanishes else rule + level)
     zero = [i * J for i, vanishes in enumerate(at_zero) if vanishes]
@@ -287,7 +299,9 @@ def deformation_errors(
         cell = np.unique(np.floor(points / (0.05 * within)).astype(int), axis=0, return_index=True)[1]
         for k, depth in enumerate(press.depth[1:], 1):
             tip = press.contact_point - depth * press.normal
-            u = deform(model, points[cell], press.contact_point, press.normal, float(depth), None, tip, press.normal)
+            u = deform(
+                model, points[cell], press.contact_point, press.normal, float(depth), None, tip, press.normal
+            )
             miss = np.linalg.norm(u - moved[k][cell], axis=1)
             metres.append(miss)
             shares.append(miss / depth)

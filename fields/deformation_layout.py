@@ -35,14 +35,21 @@ HEADER = (
     ("normal_length", "<f8", 1, "m a unit of normal"),
     ("length", "<f8", 3, "m; of the covariance of each harmonic's amplitudes"),
     ("gap_step", "<f8", 1, "m"),
-    ("error", "<f8", 5, "on held-out presses: p95 and worst share of the depth; p95 and worst, m; m from the contact; -1: not judged"),
+    ("error", "<f8", 5, "p95, worst share of depth; p95, worst, m; m from the contact; -1: not judged"),
 )  # fmt: skip
-HEADER_DTYPE = np.dtype([(name, kind) if count == 1 else (name, kind, (count,)) for name, kind, count, _ in HEADER])
+HEADER_DTYPE = np.dtype(
+    [(name, kind) if count == 1 else (name, kind, (count,)) for name, kind, count, _ in HEADER]
+)
 
 
 def arrays(h: np.ndarray) -> list[tuple[str, tuple[int, ...], str]]:
     """Name, shape and kind of what follows a header."""
-    r, N, J, K = [int(x) for x in h["rank"]], int(h["node_count"]), int(h["radial_count"]), int(h["depth_count"])
+    r, N, J, K = (
+        [int(x) for x in h["rank"]],
+        int(h["node_count"]),
+        int(h["radial_count"]),
+        int(h["depth_count"]),
+    )
     r0, r1, r2 = r
     return [
         ("node", (N, 3), "<f8"),
@@ -83,7 +90,9 @@ def deformation_bytes(model: Deformation) -> bytes:
     }
     parts = [h.tobytes()]
     for name, shape, kind in arrays(h):
-        value = np.ascontiguousarray(held[name], kind)
+        value = np.ascontiguousarray(held[name], kind) + np.dtype(kind).type(
+            0
+        )  # no -0.0, which USD does not keep
         if value.shape != shape:
             raise FieldError(f"deformation: {name} has the shape {value.shape}; {shape} is right")
         if not np.isfinite(value).all():

@@ -56,9 +56,7 @@ def read_usd_deformation(response: Usd.Prim) -> dict[str, bytes]:
     rank = [int(r) for r in v["rank"]]
     J, K, N = int(v["radial_count"]), int(v["depth_count"]), len(v["node"])
     try:
-        tables = [
-            np.reshape(v[f"table_{h}"], (rank[h], K, J, COMPONENTS[h])).astype(float) for h in range(3)
-        ]
+        tables = [np.reshape(v[f"table_{h}"], (rank[h], K, J, COMPONENTS[h])).astype(float) for h in range(3)]
         model = Deformation(
             tables=(tables[0], tables[1], tables[2]),
             stuck=np.reshape(v["stuck"], (K, J, COMPONENTS[3])).astype(float),

@@ -36,7 +36,9 @@ def deformation_info(field: Field) -> DeformationInfo:
     raw = np.zeros((), DEFORMATION_INFO)
     raw["size"] = DEFORMATION_INFO.itemsize
     check(library().palpate_deformation_describe(field.handle, raw.ctypes.data))
-    return DeformationInfo(**{name: raw[name].item() for name in DEFORMATION_INFO.names or () if name != "size"})
+    return DeformationInfo(
+        **{name: raw[name].item() for name in DEFORMATION_INFO.names or () if name != "size"}
+    )
 
 
 def deformation(

@@ -23,14 +23,13 @@ from palpate.fields.deformation import (
     SQRT5,
     Deformation,
     ToolGap,
-    deform,
     knots,
     local_axes,
     radial_weights,
 )
 from palpate.fields.field_error import FieldError
 
-__all__ = ["SurfacePress", "deformation_errors", "fit_deformation"]
+__all__ = ["SurfacePress", "fit_deformation"]
 
 RADIAL_KNOTS = 48
 SMOOTHING, HOLD = 1e-3, 1e-9
@@ -286,31 +285,3 @@ def _kriged(node, normal, values, weigh) -> tuple[float, np.ndarray]:
 def _covariance(distance: np.ndarray, length: float) -> np.ndarray:
     h = SQRT5 * distance / length
     return (1.0 + h + h * h / 3.0) * np.exp(-h) + NOISE * np.eye(len(distance))
-
-
-def deformation_errors(
-    model: Deformation, presses: Sequence[SurfacePress], within: float, tool=None
-) -> dict[str, float]:
-    """Errors |u - u(FEM)| over the surface within `within` m of the contact, fractions of the depth and m."""
-    shares, metres = [], []
-    for press in presses:
-        near = np.linalg.norm(press.point - press.contact_point, axis=1) < within
-        points, moved = press.point[near], press.displacement[:, near].astype(float)
-        cell = np.unique(np.floor(points / (0.05 * within)).astype(int), axis=0, return_index=True)[1]
-        for k, depth in enumerate(press.depth[1:], 1):
-            tip = press.contact_point - depth * press.normal
-            u = deform(
-                model, points[cell], press.contact_point, press.normal, float(depth), None, tip, press.normal
-            )
-            miss = np.linalg.norm(u - moved[k][cell], axis=1)
-            metres.append(miss)
-            shares.append(miss / depth)
-    share, metre = np.concatenate(shares), np.concatenate(metres)
-    return {
-        "within": within,
-        "p50": float(np.percentile(share, 50)),
-        "p95": float(np.percentile(share, 95)),
-        "max": float(share.max()),
-        "p95_m": float(np.percentile(metre, 95)),
-        "max_m": float(metre.max()),
-    }

@@ -43,6 +43,7 @@ from palpate.author.rigid_command import rigid
 from palpate.author.scan_command import detect, scan
 from palpate.author.tradeoff_command import tradeoff
 from palpate.author.transients_command import transients
+from palpate.author.view_command import view
 
 __all__ = ["app", "end", "main"]
 
@@ -484,6 +485,7 @@ app.command()(tradeoff)
 def end(work: Callable[[], Answer], as_json: bool) -> None:
     """Ends a command that has a file of its own, as `_end` those that are here."""
     _end(work, as_json)
+app.command()(view)
 
 
 def _end(work: Callable[[], Answer], as_json: bool) -> None:

@@ -15,6 +15,7 @@ from palpate.runtime.field import Field, FieldInfo
 from palpate.runtime.layout import Adhesion, Region, Response, Tick
 from palpate.runtime.library import RuntimeFailure, cmake_folder, include_folder, version
 from palpate.runtime.organ import Organ
+from palpate.runtime.servo import Servo
 from palpate.runtime.session import Config, Session
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "Region",
     "Response",
     "RuntimeFailure",
+    "Servo",
     "Session",
     "Tick",
     "bench",

@@ -15,7 +15,7 @@ from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Adhesion, Input, Res
 from palpate.runtime.library import RuntimeFailure, check, library
 from palpate.runtime.organ import Organ
 
-__all__ = ["Config", "Session"]
+__all__ = ["Config", "Session", "as_struct"]
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,21 @@ class Config:
     tool_axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
 
+def as_struct(config: Config) -> np.ndarray:
+    """`config` as palpate_config, ()."""
+    raw = np.zeros((), dtype=CONFIG)
+    raw["size"] = CONFIG.itemsize
+    raw["reference_point"] = config.reference_point
+    raw["friction_coefficient"] = -1.0 if config.friction_coefficient is None else config.friction_coefficient
+    for name in (
+        "speed_max", "dt_max", "adhesion", "adhesion_start", "force_max", "passivity_control", "response",
+        "tool_axis",
+    ):  # fmt: skip
+        raw[name] = getattr(config, name)
+    _refuse_not_finite(raw)
+    return raw
+
+
 class Session:
     """A session of the runtime; use it from one thread at a time.
 
@@ -60,18 +75,7 @@ class Session:
         self._fields = [field]  # all stay open: a tick may still move in an earlier one
         self._organ: Organ | None = None
         self._memory = np.zeros(-(-library().palpate_session_size() // 8), dtype=np.float64)
-        raw = np.zeros((), dtype=CONFIG)
-        raw["size"] = CONFIG.itemsize
-        raw["reference_point"] = config.reference_point
-        raw["friction_coefficient"] = (
-            -1.0 if config.friction_coefficient is None else config.friction_coefficient
-        )
-        for name in (
-            "speed_max", "dt_max", "adhesion", "adhesion_start", "force_max", "passivity_control", "response",
-            "tool_axis",
-        ):  # fmt: skip
-            raw[name] = getattr(config, name)
-        _refuse_not_finite(raw)
+        raw = as_struct(config)
         handle = ctypes.c_void_p()
         memory, init = self._memory, library().palpate_session_init
         status = init(memory.ctypes.data, memory.nbytes, field.handle, raw.ctypes.data, ctypes.byref(handle))

@@ -480,12 +480,12 @@ def schema() -> None:
 
 
 app.command()(tradeoff)
+app.command()(view)
 
 
 def end(work: Callable[[], Answer], as_json: bool) -> None:
     """Ends a command that has a file of its own, as `_end` those that are here."""
     _end(work, as_json)
-app.command()(view)
 
 
 def _end(work: Callable[[], Answer], as_json: bool) -> None:

@@ -94,7 +94,7 @@ def test_a_person_chooses_a_tool_presses_drags_and_reads_the_force(
 
         moves = int(pressed["moves"])
         box = page.locator("canvas").first.bounding_box()
-        x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"]
+        x, y = box["x"] + 0.4 * box["width"], box["y"] + 0.65 * box["height"]  # beside the gizmo
         page.mouse.move(x, y)
         page.mouse.down()
         page.mouse.move(x + 30, y + 10, steps=6)

@@ -153,7 +153,7 @@ class _Page:
         if not self._server.get_clients():
             return
         response = state["response"]
-        now = Readings(state, slipping, "drawn at rest: this asset holds no deformation")
+        now = Readings(state, slipping, "drawn at rest: this view shows no dimple")
         scene = (*state["position"], *state["orientation"], *response["force"], now.contact and slipping)
         if scene != self._scene_shown:
             self._scene_shown = scene

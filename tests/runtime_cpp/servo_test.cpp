@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "../../runtime_cpp/servo/servo.h"
 
+#include <atomic>
 #include <chrono>
+#include <cmath>
 #include <thread>
 
 #include "test_field.h"

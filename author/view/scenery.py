@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from palpate.author.report.palette import ERRORS, MARK, NODE, ORGAN, RENDERED, VALUES
+from palpate.author.report.palette import ERRORS, INK, MARK, ORGAN, RENDERED, VALUES
 from palpate.author.report.viewpoint import viewpoints
 from palpate.author.view.colours import colours, rgb
 from palpate.author.view.place import Place, Surface
@@ -89,7 +89,7 @@ class Scenery:
         nodes = tool.field.nodes
         if nodes.node_count:
             self._nodes = self._scene.add_point_cloud(
-                "/nodes", self._marks(nodes.position, nodes.normal), rgb(NODE), point_size=0.007,
+                "/nodes", self._marks(nodes.position, nodes.normal), rgb(INK), point_size=0.007,
                 point_shape="circle", precision="float32", point_shading="flat",
             )  # fmt: skip
         elif self._nodes is not None:

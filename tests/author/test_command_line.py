@@ -112,6 +112,8 @@ def test_wrong_input_ends_with_2_every_sentence_and_no_traceback(
 def test_what_this_version_cannot_do_ends_with_2(
     complete_scene: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
+    asked = complete_scene.read_text().replace("effects = [", 'effects = ["cutting", ', 1)
+    complete_scene.write_text(asked)
     assert main(["author", str(complete_scene), "--out", "out"]) == 2
     assert "not yet in this version; supported:" in capfd.readouterr().err
 

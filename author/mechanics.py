@@ -14,9 +14,11 @@ from importlib.resources import files
 
 from palpate.author.scene_types import digest
 
-__all__ = ["ROOTS", "mechanics_modules", "mechanics_version", "module_meaning"]
+__all__ = ["KEYED_APART", "ROOTS", "mechanics_modules", "mechanics_version", "module_meaning"]
 
 PACKAGE = "palpate.fem_offline"
+KEYED_APART = ("surface_displacement",)
+"""Modules that only presses with some effects use; their text is in those presses' keys alone (press_jobs.py)."""
 ROOTS = ("deformed", "dragging", "far_field", "membrane", "patch", "press", "signed_distance", "site", "tool")
 """What a worker imports to press, and what lays the organ's surface."""
 

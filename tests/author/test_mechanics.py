@@ -34,7 +34,12 @@ def test_every_module_that_python_loads_for_a_press_counts() -> None:
 def test_every_module_that_a_worker_names_counts() -> None:
     tree = ast.parse((files("palpate.author") / "press_solve.py").read_text())
     named = set(mechanics._imported(tree))
-    assert named and named <= set(mechanics.mechanics_modules())
+    assert named and named <= {*mechanics.mechanics_modules(), *mechanics.KEYED_APART}
+
+
+@pytest.mark.parametrize("name", mechanics.KEYED_APART)
+def test_what_a_module_that_is_keyed_apart_imports_counts_for_every_press(name: str) -> None:
+    assert set(mechanics._imported(mechanics._tree(name))) <= set(mechanics.mechanics_modules())
 
 
 @pytest.mark.parametrize("name", mechanics.mechanics_modules())

@@ -100,11 +100,11 @@ def figure(result: dict[str, Any]) -> go.Figure:
             row=1,
             col=column,
         )
-    drawn.update_yaxes(type="log", dtick="D2")
+    rungs = [m * 10.0**e for e in range(-3, 5) for m in (1, 2, 5)]
+    told = {"tickvals": rungs, "ticktext": [f"{rung:g}" for rung in rungs]}
+    drawn.update_yaxes(type="log", **told)
     drawn.update_yaxes(title_text="worst of normal, lateral, stuck force error, p95, %", col=1)
-    drawn.update_xaxes(
-        type="log", dtick="D2", title_text="authoring, CPU minutes of that setting alone", col=1
-    )
+    drawn.update_xaxes(type="log", **told, title_text="authoring, CPU minutes of that setting alone", col=1)
     drawn.update_xaxes(title_text="tick in contact, median ns", rangemode="tozero", col=2)
     drawn.update_layout(
         template="plotly_white",

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.report.palette import INK, MARK, QUIET
+from palpate.author.report.palette import INK, MARK
 from palpate.author.tradeoff.front import worst_error
 from palpate.author.tradeoff.groups import family_of, look_of, short_words
 
@@ -68,9 +68,14 @@ def picture(result: dict[str, Any], path: Path) -> None:
                     bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 1.5},
                 )  # fmt: skip
     left.set_xscale("log")
+    left.set_ylim(top=1.5 * max(left.get_ylim()[1], 100.0 * result["tolerance"]))
     left.set_xlabel("authoring, CPU minutes of that setting alone", color=INK)
     left.set_ylabel("worst of normal, lateral and stuck force error, p95, %", color=INK)
-    right.set_xlabel("tick in contact, median ns (the slower of sticking and sliding)", color=INK)
+    right.set_xlabel(
+        "tick in contact, median ns (the slower of sticking and sliding)\n"
+        "area: bytes; hollow: not rendered by the runtime, so without a tick",
+        color=INK,
+    )
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     left.xaxis.set_major_locator(LogLocator(base=10, subs=(1.0, 2.0, 5.0)))
@@ -83,15 +88,11 @@ def picture(result: dict[str, Any], path: Path) -> None:
     if ticks:
         right.set_xlim(0.0, 1.25 * max(ticks))
     left.text(
-        0.01, 100.0 * result["tolerance"], f" asked: {100.0 * result['tolerance']:g} %", color=MARK, fontsize=10,
-        transform=left.get_yaxis_transform(), va="bottom",
+        0.99, 100.0 * result["tolerance"], f"asked: {100.0 * result['tolerance']:g} %", color=MARK, fontsize=10,
+        transform=left.get_yaxis_transform(), va="bottom", ha="right",
     )  # fmt: skip
     handles, names = left.get_legend_handles_labels()
     figure.legend(handles, names, loc="outside lower center", ncols=7, fontsize=9, frameon=False)
-    right.text(
-        0.02, 0.98, "Area grows with the file's bytes.\nHollow: not offered by the runtime, so it has no tick.",
-        transform=right.transAxes, va="top", fontsize=9, color=QUIET,
-    )  # fmt: skip
     truth = result["truth"]
     figure.suptitle(
         f"{result['scene']}, {result['tool']}: speed against accuracy, {len(rows)} settings, "

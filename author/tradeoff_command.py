@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from palpate.author.arguments import ready_scene
-from palpate.author.console import Answer, table_of
+from palpate.author.console import Answer
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.units import QuantityError, quantity
 
@@ -41,6 +41,12 @@ def tradeoff(
             help="then judges the recommended setting by fresh presses of N seeds; the budget does not count there",
         ),
     ] = 0,
+    confirm_points: Annotated[
+        int | None,
+        typer.Option(
+            "--confirm-points", min=1, metavar="N", help="presses of each such seed; the scene's held_out"
+        ),
+    ] = None,
     write_scene: Annotated[
         Path | None,
         typer.Option("--write-scene", metavar="FILE.toml", help="the scene with the recommended setting"),
@@ -64,7 +70,7 @@ def tradeoff(
         with ConsoleProgress() as progress:
             result = weighed(
                 ready, out, tool, budget=seconds, held_out=held_out, workers=workers,
-                confirm_seeds=confirm_seeds, write_scene=write_scene, progress=progress,
+                confirm_seeds=confirm_seeds, confirm_points=confirm_points, write_scene=write_scene, progress=progress,
             )  # fmt: skip
         return Answer(result, _lines(result), 0 if _good(result) else 1)
 
@@ -94,8 +100,20 @@ def _good(result: dict[str, Any]) -> bool:
 def _lines(result: dict[str, Any]) -> list[Any]:
     from palpate.author.tradeoff.groups import short_words
 
-    errors = ("normal p50/p95/max %", "lateral p95 %", "stuck p95 %")
-    table = table_of("row", "", "setting", "CPU s", "KiB", "tick ns", *errors, "met")
+    cells = [
+        (
+            "row",
+            "",
+            "setting",
+            "CPU s",
+            "KiB",
+            "tick ns",
+            "normal p50/p95/max %",
+            "lateral",
+            "stuck p95 %",
+            "met",
+        )
+    ]
     shown = sorted({*result["pareto"], *_of_interest(result)}, key=lambda i: result["rows"][i]["cpu_seconds"])
     for i in shown:
         row = result["rows"][i]
@@ -105,11 +123,14 @@ def _lines(result: dict[str, Any]) -> list[Any]:
         )
         mark = "take" if i == result["recommended"] else "front" if i in result["pareto"] else ""
         tick = "-" if row["tick_ns"] is None else f"{row['tick_ns']:.0f}"
-        table.add_row(
+        cells.append((
             str(i), mark, short_words(row), f"{row['cpu_seconds']:.0f}", f"{row['bytes'] / 1024:.0f}", tick,
             force, lateral, stuck, "yes" if row["met"] else "no",
-        )  # fmt: skip
-    lines: list[Any] = [table, f"{len(result['rows'])} settings; all of them: {result['files']['csv']}"]
+        ))  # fmt: skip
+    lines: list[Any] = [
+        _aligned(cells),
+        f"{len(result['rows'])} settings; all of them: {result['files']['csv']}",
+    ]
     if result["recommended"] is None:
         lines.append(f"no setting meets {100 * result['tolerance']:g} % surely enough")
     else:
@@ -121,8 +142,8 @@ def _lines(result: dict[str, Any]) -> list[Any]:
     if result["confirmed"]:
         found = result["confirmed"]
         lines.append(
-            f"confirmed on {found['met']} of {found['seeds']} fresh seeds of {found['points']} presses "
-            f"(at least {found['bar']} wanted)"
+            f"{found['met']} of {found['seeds']} fresh seeds of {found['points']} presses meet it "
+            f"(at least {found['bar']} have to)"
         )
     if result["scene_written"]:
         lines.append(f"scene with it: {result['scene_written']}")
@@ -131,6 +152,15 @@ def _lines(result: dict[str, Any]) -> list[Any]:
         lines.append(f"left out: {what}: {item['reason']}")
     lines += [f"{kind}: {path}" for kind, path in result["files"].items() if kind in ("png", "page")]
     return lines
+
+
+def _aligned(cells: list[tuple[str, ...]]) -> str:
+    """Columns as wide as they are: a terminal may wrap lines, but no cell is broken or cut."""
+    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in cells
+    )
 
 
 def _of_interest(result: dict[str, Any]) -> list[int]:

@@ -22,6 +22,7 @@ def tradeoff(
     held_out: int | None = None,
     workers: int | None = None,
     confirm_seeds: int = 0,
+    confirm_points: int | None = None,
     write_scene: Path | None = None,
     progress: Progress | None = None,
     executor: Any = None,
@@ -34,6 +35,7 @@ def tradeoff(
         held_out: presses that judge all settings (count); the scene's own, at least 8, when None.
         workers: processes that press; one a core when None.
         confirm_seeds: fresh seeds that judge the recommended setting afterwards, beyond the budget; none when 0.
+        confirm_points: fresh presses of each seed (count); as many as the scene holds out when None.
         write_scene: file that the scene goes to with the recommended setting.
         executor, solver: press instead of processes and finite elements (tests).
 
@@ -71,6 +73,8 @@ def tradeoff(
             result["scene_written"] = str(written)
         if confirm_seeds:
             result["files"] = write_files(result, out)  # what there is, while many presses more are made
-            result["confirmed"] = confirmed(sweep, row, confirm_seeds)
+            result["confirmed"] = confirmed(
+                sweep, row, confirm_seeds, confirm_points or scene.accuracy.held_out
+            )
     result["files"] = write_files(result, out)
     return result

@@ -24,8 +24,8 @@ FIRST_SEED = 1001
 """Away from the seeds that scenes have."""
 
 
-def confirmed(sweep: Sweep, row: dict[str, Any], seeds: int) -> dict[str, Any]:
-    """Presses as many places as the scene holds out for each of `seeds` seeds, on the scene's own mesh.
+def confirmed(sweep: Sweep, row: dict[str, Any], seeds: int, points: int) -> dict[str, Any]:
+    """Presses `points` places for each of `seeds` seeds, on the scene's own mesh.
 
     Places that the sweep has pressed, as nodes or held out, are not drawn.
 
@@ -37,7 +37,7 @@ def confirmed(sweep: Sweep, row: dict[str, Any], seeds: int) -> dict[str, Any]:
 
     scene, work = sweep.scene, sweep.work
     mesh, _ = sweep.organ(sweep.base.pressing.mesh_size)
-    points, tolerance = scene.accuracy.held_out, scene.accuracy.force_tolerance
+    tolerance = scene.accuracy.force_tolerance
     seen = np.array([outcome.job.contact_point for outcome in (*sweep.judge.held, *sweep.nodes)], float)
     samples = work.samples
     fresh = samples.allowed & ~np.isclose(samples.points[:, None], seen[None], atol=1e-9).all(axis=2).any(

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.tradeoff.rows import ERRORS, judged_again
+from palpate.author.tradeoff.rows import ERRORS
 
 __all__ = ["chance", "pareto", "recommended", "worst_error"]
 
@@ -47,15 +47,33 @@ def _beats(a: dict[str, Any], b: dict[str, Any]) -> bool:
 
 
 def chance(presses: Sequence[dict[str, Any]], tolerance: float, draw: int) -> float:
-    """Share of redraws of `draw` presses that meet the tolerance."""
-    if not presses:
+    """Share of redraws of `draw` presses that meet the tolerance, as `judgement_of` (held_out.py) says it."""
+    if not presses or not all(press["converged"] for press in presses):
         return 0.0
-    generator = np.random.default_rng(1)
-    picks = generator.integers(0, len(presses), (REDRAWS, draw))
+    picks = np.random.default_rng(1).integers(0, len(presses), (REDRAWS, draw))
+    kinds = [[_known(errors) for errors in kind] for kind in _errors_by_kind(presses)]
     met = 0
     for pick in picks:
-        met += judged_again([presses[i] for i in pick], tolerance)["met"]
+        drawn = [np.concatenate([kind[i] for i in pick]) for kind in kinds]
+        met += len(drawn[0]) > 0 and all(_meets(errors, tolerance) for errors in drawn)
     return met / REDRAWS
+
+
+def _errors_by_kind(presses: Sequence[dict[str, Any]]) -> list[list[list[float | None]]]:
+    """Normal, lateral, stuck and slid errors of each press."""
+    plain = [[press[kind] for press in presses] for kind in ("force_error", "lateral_error")]
+    moved = [[[one["error"] for one in press[kind]] for press in presses] for kind in ("moves", "slides")]
+    return [*plain, *moved]
+
+
+def _known(errors: Sequence[float | None]) -> np.ndarray:
+    return np.array([error for error in errors if error is not None], float)
+
+
+def _meets(errors: np.ndarray, tolerance: float) -> bool:
+    if not len(errors):
+        return True
+    return bool(np.percentile(errors, 95) <= tolerance and errors.max() <= 2.0 * tolerance)
 
 
 def recommended(rows: Sequence[dict[str, Any]]) -> int | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -68,9 +69,21 @@ def few():
         patch.setattr(knobs, "KNOT_COUNTS", (5,))
         patch.setattr(knobs, "MESH_STEPS", ())
         patch.setattr(knobs, "RADIUS_STEPS", ())
+        patch.setattr(knobs, "FIDELITIES", ("linear", "near_field", "near_field"))
         patch.setattr(field_stage, "AMPLITUDE_SPACINGS", (5e-3,))
+        made: list = []  # every sweep here has the same organ and reach
+        fresh = sweep.contact_geometry_of
+        patch.setattr(
+            sweep, "contact_geometry_of", lambda *a: made[0] if made else made.append(fresh(*a)) or made[0]
+        )
         patch.setattr(runtime, "bench", lambda path: {**bench, "load_ms": 0.1, "machine": "none"})
         yield
+
+
+def with_the_mesh_of(other: Path, out: Path) -> Path:
+    for kind in ("surface", "mesh", "price"):
+        shutil.copytree(other / "work" / kind, out / "work" / kind)
+    return out
 
 
 def weigh(scene_file: Path, out: Path, **options):
@@ -226,16 +239,16 @@ def test_files_hold_the_same_rows(weighed, out):
     assert len(own) < 1e6 and 'src="http' not in own and 'href="http' not in own
 
 
-def test_a_budget_that_ends_before_a_row_keeps_what_is_there(scene_file, tmp_path, few):
+def test_a_budget_that_ends_before_a_row_keeps_what_is_there(scene_file, tmp_path, weighed, out):
     with pytest.raises(InputError, match="0 of 6 held-out presses"):
-        weigh(scene_file, tmp_path, budget=1e-3)
+        weigh(scene_file, with_the_mesh_of(out, tmp_path), budget=1e-3)
 
 
-def test_what_the_budget_does_not_hold_is_named(scene_file, tmp_path, few, monkeypatch):
+def test_what_the_budget_does_not_hold_is_named(scene_file, tmp_path, weighed, out, monkeypatch):
     monkeypatch.setattr(sweep.Presses, "has", lambda self, seconds: False)
     made = []
     monkeypatch.setattr(sweep.Sweep, "_rows", lambda self, pressed: made.extend(pressed) or [])
-    result = weigh(scene_file, tmp_path)
+    result = weigh(scene_file, with_the_mesh_of(out, tmp_path))
     own = Pressing("near_field", 8e-3, 20e-3, 1.0)
     assert made == [own] and result["recommended"] is None
     named = [item for item in result["left_out"] if "pressing" in item]

@@ -15,6 +15,7 @@ from palpate.author.tradeoff.cost import PricedStore
 from palpate.author.tradeoff.front import TICK_NOISE, chance, pareto, recommended
 from palpate.author.tradeoff.knobs import Pressing, Setting, changed, node_counts, pressings, settings_of
 from palpate.author.tradeoff.not_rendered import Axial
+from palpate.author.tradeoff.rows import judged_again
 
 BASE = Pressing("near_field", 8e-3, 20e-3, 1.0)
 
@@ -55,6 +56,11 @@ def test_a_chance_is_that_of_not_drawing_the_bad_press():
     assert chance(presses, 0.05, 4) == pytest.approx((7 / 8) ** 4, abs=0.08)
     assert chance(presses[:7], 0.05, 4) == 1.0
     assert chance([], 0.05, 4) == 0.0
+
+
+@pytest.mark.parametrize("error", [0.049, 0.051])
+def test_a_redraw_is_judged_as_held_out_presses_are(error):
+    assert chance([press(error)], 0.05, 3) == float(judged_again([press(error)] * 3, 0.05)["met"])
 
 
 def test_knobs_are_turned_one_at_a_time_and_no_setting_stands_twice():

@@ -45,6 +45,11 @@ def test_ticks_within_their_noise_are_equal_and_never_beat_in_a_circle():
     assert pareto([row(1, 0.1, tick=tick) for tick in ticks])
 
 
+def test_what_differs_in_the_third_digit_is_no_choice_and_the_first_such_row_stays():
+    assert pareto([row(93.1, 0.1, size=85_986), row(93.0, 0.1, size=85_982), row(93.2, 0.1)]) == [2]
+    assert pareto([row(93.1, 0.1, size=85_986), row(93.0, 0.1, size=85_982)]) == [0]
+
+
 def test_the_cheapest_sure_row_is_recommended():
     rows = [row(1, 0.2), row(2, 0.04, chance=0.9), row(3, 0.04), row(4, 0.01), row(0.1, 0.01, offered=False)]
     assert recommended(rows) == 2

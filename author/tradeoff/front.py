@@ -3,8 +3,8 @@
 """Which settings nothing beats, and which of them to take.
 
 A row is beaten by one that is no worse in CPU seconds, bytes, tick and error, and better in one; of rows that are equal
-the first one stays, which turns fewer knobs.  Two digits count, and ticks within TICK_NOISE of each other are equal: what
-provenance adds to a file, or a machine to a second, is no choice.
+the first one stays, which turns fewer knobs.  Two digits count, and ticks within TICK_NOISE of each other are equal:
+what provenance adds to a file, or a machine to a second, is no choice.
 
 Recommended is the setting that costs least CPU time among those that meet the tolerance surely enough: of REDRAWS draws
 of as many held-out presses as the scene asks for, with replacement (B. Efron, Bootstrap methods: another look at the

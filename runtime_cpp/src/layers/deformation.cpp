@@ -74,7 +74,7 @@ void amplitudes(const deformation_header& h, const deformation_arrays& at, const
     for (int i = 0; i < ends[3]; ++i) value[i] = i < ends[1] ? at.mean[i] : 0.0;
     for (std::uint32_t node = 0; node < h.node_count; ++node) {
         double far = 0.0;
-        for (int a = 0; a < 3; ++a) {
+        for (std::uint32_t a = 0; a < 3; ++a) {
             const double dc = at.node[3 * node + a] - p.c[a], dn = h.normal_length * (at.normal[3 * node + a] - p.n[a]);
             far += dc * dc + dn * dn;
         }

@@ -118,9 +118,16 @@ def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
         force,
         a["energy"],
         tuple(ladders),
-        friction or 0.0,
+        _felt_friction(a, friction) if friction else 0.0,
         outcome.key,
     )
+
+
+def _felt_friction(arrays: dict[str, np.ndarray], friction: float) -> float | np.ndarray:
+    """What a sliding tool feels of the coefficient at every point of its contact: rows (depth m, coefficient)."""
+    depth, share = arrays["depth"], arrays["friction_share"]
+    known = (depth > 0.0) & np.isfinite(share)
+    return np.stack([depth[known], friction * share[known]], axis=1) if known.any() else friction
 
 
 def press_arrays(

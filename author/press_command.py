@@ -193,6 +193,7 @@ def _result(scene: Scene, tool: Tool, mesh: OrganMesh, outcome: PressOutcome) ->
         "penetration",
         "reaction_error",
         "sticking_stiffness",
+        "friction_share",
     )
     facts = ("converged", "reason", "unknowns", "work_mismatch", "newton_steps", "seconds", "cpu_seconds")
     return {

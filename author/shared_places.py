@@ -17,7 +17,7 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.tool_stage import reference_of, shape_of
 from palpate.author.tool_work import ToolWork, ladder
-from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, uniform_knots
+from palpate.fields.node_fit import LateralLadder, PressArrays, fit_nodes, friction_at, uniform_knots
 from palpate.fields.response_field import ContactGeometry, ResponseNodes, ToolReference
 
 __all__ = ["SharedPlaces", "mean_press"]
@@ -139,8 +139,15 @@ def mean_press(presses: Sequence[PressArrays]) -> PressArrays:
         force=np.mean([press.force[:count] for press in presses], axis=0),
         energy=np.mean([press.energy[:count] for press in presses], axis=0),
         lateral=mean_ladders(presses, count),
+        friction_coefficient=mean_friction(presses, first.depth[1:count]),
         hash="+".join(press.hash for press in presses),
     )
+
+
+def mean_friction(presses: Sequence[PressArrays], depths: np.ndarray) -> np.ndarray:
+    """Rows (depth m, coefficient) of the mean at `depths` (m)."""
+    each = [friction_at(press.friction_coefficient, depths) for press in presses]
+    return np.stack([depths, np.mean(each, axis=0)], axis=1)
 
 
 def mean_ladders(presses: Sequence[PressArrays], count: int) -> list[LateralLadder]:

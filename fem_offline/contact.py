@@ -200,11 +200,22 @@ class Unilateral:
         """Second derivative; without `geometric` its indefinite part -t Hess g is left out."""
         _, gap, normal, curvature = self._distance(u)
         pressure = np.maximum(0.0, self.multiplier - self.penalty * gap)
+        return self.surface.hessian(self._normal_block(pressure, normal, curvature, geometric))
+
+    def _normal_block(self, pressure, normal, curvature, geometric: bool) -> np.ndarray:
         acting = (pressure > 0.0)[:, :, None, None]
         block = np.where(acting, self.penalty * normal[:, :, :, None] * normal[:, :, None, :], 0.0)
-        if geometric:
-            block -= pressure[:, :, None, None] * curvature
-        return self.surface.hessian(block)
+        return block - pressure[:, :, None, None] * curvature if geometric else block
+
+    def give(self, u: np.ndarray, pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """How tractions at u (N, 3) m, with `pressure` (B, Q) Pa, follow a motion of the points.
+
+        Returns:
+            n (B, Q, 3), the way pressure pushes the tissue, and -d(traction)/dx (B, Q, 3, 3) Pa/m, zero where nothing
+            touches.
+        """
+        _, _, normal, curvature = self._distance(u)
+        return normal, self._normal_block(pressure, normal, curvature, True)
 
     def update(self, u: np.ndarray) -> None:
         """Multiplier update lambda <- t."""

@@ -178,11 +178,6 @@ class Coulomb(Unilateral):
     def _touching(self, block: np.ndarray) -> np.ndarray:
         return np.where((self.limit > 0.0)[:, :, None, None], block, 0.0)
 
-    def _normal_block(self, pressure, normal, curvature, geometric: bool) -> np.ndarray:
-        acting = (pressure > 0.0)[:, :, None, None]
-        block = np.where(acting, self.penalty * normal[:, :, :, None] * normal[:, :, None, :], 0.0)
-        return block - pressure[:, :, None, None] * curvature if geometric else block
-
     def unsymmetric(self, u: np.ndarray) -> np.ndarray:
         """(B, Q, 3, 3) Pa/m; what -d(traction)/dx of the true law has beyond the blocks of `hessian(u, False)`.
 

@@ -14,12 +14,16 @@ dissipation: dW/dd + dD/dd = f . n.
 
 Sticking: at each depth the points in contact are held to the tool, and the tool's translational stiffness
 K = -df/dp is found from the linearised equilibrium.  Lateral ladders do the same with finite moves.
+
+Sliding: without friction, the same depths also have the share of a coefficient that a sliding tool would feel
+(friction_share.py).
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +31,7 @@ import numpy as np
 from palpate.fem_offline.clearance import why_not_placed, why_stray
 from palpate.fem_offline.contact import Sticking, Unilateral
 from palpate.fem_offline.equilibrium import Equilibrium, EquilibriumError, equilibrate
+from palpate.fem_offline.friction_share import friction_share
 from palpate.fem_offline.ladder import DEFAULT_SETTINGS, Ladder, PressSettings, reaction_error
 from palpate.fem_offline.site import Site
 from palpate.fem_offline.tool import Tool
@@ -111,6 +116,8 @@ class PressRecord:
             NaN where all is linear.
         sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck, at every second depth and the deepest;
             zero at the zero state, NaN elsewhere.
+        friction_share: (K,) felt over given coefficient of a tool that slides, for small coefficients, where there is
+            a stiffness; 1 at the zero state, NaN elsewhere, with friction, and where it was not found.
         lateral: sticking lateral ladders.
         work_mismatch: largest |W + dissipation - integral of f_n| over the ladder, fraction of the deepest W.
         converged: every depth asked for was reached.  reason: why not, else "".
@@ -130,6 +137,7 @@ class PressRecord:
     penetration: np.ndarray
     far_field_error: np.ndarray
     sticking_stiffness: np.ndarray
+    friction_share: np.ndarray
     lateral: tuple[LateralLadder, ...]
     work_mismatch: float
     converged: bool
@@ -173,7 +181,7 @@ def press(
     ladder = Ladder.above(site, tool, settings, float(depths[-1]), friction)
     contact = ladder.contact
     zero = np.zeros(3)
-    rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)))]
+    rows: list[tuple] = [(0.0, zero, zero, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, np.zeros((3, 3)), 1.0)]
     slid = [(0.0, 0.0, 0.0, 0.0)]
     ladders: list[LateralLadder] = []
     reason = why_not_placed(site, tool, float(depths[-1]))
@@ -194,11 +202,15 @@ def press(
                 break
             stuck = sticking(site, found, contact, settings)
             wants_stiffness = index % 2 == 1 or index == len(depths) - 1
+            share = np.nan
+            if wants_stiffness and not friction:
+                with suppress(ArithmeticError):  # of a contact about to give way
+                    share = friction_share(site, found, contact, settings)
             stiffness = sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
             touch = found.contact
             rows.append(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
-                 touch.penetration, site.body.far_field_error(found.u, found.elastic), stiffness)
+                 touch.penetration, site.body.far_field_error(found.u, found.elastic), stiffness, share)
             )  # fmt: skip
             if ladder.check:
                 check = ladder.check
@@ -214,7 +226,7 @@ def press(
             reason = f"stopped before {depth * 1e3:.2f} mm: {error}; less depth, or a finer mesh"
             break
         progress(float(depth))
-    column = [np.array([row[k] for row in rows], float) for k in range(10)]
+    column = [np.array([row[k] for row in rows], float) for k in range(11)]
     return PressRecord(
         site.contact_point,
         site.normal,

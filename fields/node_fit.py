@@ -27,7 +27,15 @@ from palpate.fields.depth_curve import FLOOR_NOISE, RELATIVE_NOISE, DepthCurve, 
 from palpate.fields.response_field import ContactGeometry, ResponseNodes
 from palpate.fields.surface_curvature import normal_derivative
 
-__all__ = ["LateralLadder", "PressArrays", "fit_nodes", "relative_gradient", "uniform_knots", "why_unusable"]
+__all__ = [
+    "LateralLadder",
+    "PressArrays",
+    "fit_nodes",
+    "friction_at",
+    "relative_gradient",
+    "uniform_knots",
+    "why_unusable",
+]
 
 LEAST_DEPTH_SHARE = 0.3
 """A press that stopped above this share of depth_max says too little about the rest."""
@@ -63,7 +71,8 @@ class PressArrays:
         force: (K, 3) N, on the tool.
         energy: (K,) J, stored.
         lateral: lateral ladders, possibly none.
-        friction_coefficient: a number, or (J, 2) rows (depth m, coefficient), interpolated and held at its ends.
+        friction_coefficient: as a sliding tool feels it; a number, or (J, 2) rows (depth m, coefficient), interpolated
+            and held at its ends.
         hash: the press record's hash.
     """
 

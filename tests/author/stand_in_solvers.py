@@ -128,6 +128,7 @@ def known_press(job: PressJob, R: float, factor: float, aside: float):
         "force_vector": force,
         "energy": factor * known_energy(x, R, depth),
         "sticking_stiffness": k[:, None, None] * np.diag([1.0, 1.0, 0.0]),
+        "friction_share": np.ones(len(depth)),
     }
     return arrays, {"converged": True, "reason": "", "lateral": lateral, "seconds": 0.0, "estimate": 0.0}
 

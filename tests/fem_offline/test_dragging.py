@@ -231,3 +231,9 @@ def test_friction_that_is_no_number_is_refused(site):
     for friction in (-0.1, np.inf, np.nan):
         with pytest.raises(ValueError, match="friction"):
             press(site, TOOL, np.array([1e-3]), friction=friction)
+
+
+def test_what_is_felt_is_what_a_press_without_friction_foretells(site, record):
+    """To first order in the coefficient, which is 0.3 here."""
+    share = press(site, TOOL, np.array([0.5e-3, 1e-3, 1.5e-3, DEPTH])).friction_share
+    assert record.effective[:, 0] / MU == pytest.approx(share[[2, 4]], rel=0.03)

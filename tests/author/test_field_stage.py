@@ -21,7 +21,9 @@ from palpate.author.field_stage import (
     contact_geometry_of,
     is_fine_enough,
 )
+from palpate.author.press_jobs import PressJob
 from palpate.author.scene import load_scene
+from tests.author.stand_in_solvers import BALL, known_press
 
 
 def losing(error: dict[float, float]):
@@ -79,3 +81,21 @@ def test_the_scenes_band_holds_every_tools():
     for tool in scene.tool:
         own = band_of_tool(scene, tool)
         assert low <= own[0] < own[1] <= high
+
+
+def test_a_node_has_the_friction_that_is_felt_there():
+    """Depths whose share was not found (every other one, and where a solve failed) are left to their neighbours."""
+    outcome = known_arrays()
+    depth = outcome["depth"]
+    outcome["friction_share"] = np.where(np.arange(len(depth)) % 2 == 0, 1.0 + 50.0 * depth, np.nan)
+    press = field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), 0.2)
+    assert press.friction_coefficient[:, 0] == pytest.approx(depth[2::2])
+    assert press.friction_coefficient[:, 1] == pytest.approx(0.2 * (1.0 + 50.0 * depth[2::2]))
+    outcome["friction_share"] = np.full(len(depth), np.nan)
+    assert field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), 0.2).friction_coefficient == 0.2
+    assert field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), None).friction_coefficient == 0.0
+
+
+def known_arrays() -> dict[str, np.ndarray]:
+    job = PressJob((0.0, 0.0, 0.0), BALL, (1e-3, 2e-3, 3e-3, 4e-3), "near_field")
+    return known_press(job, 5e-3, 1.0, 0.0)[0]

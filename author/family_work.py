@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.field_stage import REACH_MARGIN, coarsest_field
-from palpate.author.held_out import judgement_of, percentiles, press_judgements
+from palpate.author.held_out import judgement_of, percentiles, press_judgements, quasi_static
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.scene import Scene
@@ -116,7 +116,6 @@ def family_judgement(
     The tolerance is met where pressed radii and radii between, each by themselves, meet it.
     """
     from palpate.fields.cook import cook
-    from palpate.runtime import Field
 
     rows: list[dict[str, Any]] = [{} for _ in outcomes]
     own: dict[FamilyRadius, list[dict[str, Any]]] = {}
@@ -124,7 +123,7 @@ def family_judgement(
         at = [i for i, outcome in enumerate(outcomes) if radius_of(outcome.job) == judged.radius]
         if not at:
             continue
-        rendered = Field.open(cook(field_of_radius(field, judged.radius, beyond, REACH_MARGIN)))
+        rendered = quasi_static(cook(field_of_radius(field, judged.radius, beyond, REACH_MARGIN)))
         own[judged] = press_judgements(rendered, judged.radius, [outcomes[i] for i in at])
         for i, row in zip(at, own[judged], strict=True):
             rows[i] = {"radius": judged.radius, "radius_pressed": judged.pressed, **row}

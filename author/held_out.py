@@ -26,6 +26,7 @@ from scipy.spatial.transform import Rotation
 from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.tool_stage import ToolShape
 from palpate.fem_offline.pose import tilted
+from palpate.fields.rfield_without import rfield_without
 from palpate.runtime import Config, Field, Session
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "line",
     "percentiles",
     "press_judgements",
+    "quasi_static",
 ]
 
 FLOOR = 0.05
@@ -215,6 +217,11 @@ def percentiles(values: Sequence[float | None]) -> dict[str, float] | None:
         "p95": float(np.percentile(known, 95)),
         "max": float(known.max()),
     }
+
+
+def quasi_static(data: bytes) -> Field:
+    """The runtime's field of the .rfield `data`, without what plays on top of its response: presses know of no tap."""
+    return Field.open(rfield_without(data))
 
 
 def judgement(

@@ -40,6 +40,7 @@ from palpate.author.store import Store
 from palpate.author.tool_members import is_family, is_tilted
 from palpate.author.tool_stage import shape_of
 from palpate.author.tool_work import ToolWork, versions
+from palpate.author.transients.transient_stage import transients_of, with_transient
 from palpate.author.ways_work import WaysWork
 from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ContactGeometry
@@ -86,6 +87,8 @@ def author(
     store.sweep()
     stages = _Stages(progress)
     chosen = chosen_tools(scene, tool)
+    for one in chosen:
+        transients_of(scene, one)  # what cannot be stored must not be found out after hours of presses
     if device:
         device_named(device)
 
@@ -110,11 +113,17 @@ def author(
         pressed = _pressed(mesh, tools, geometry, store, executor, stages, until)
 
     stages.begin("response field")
-    fields = [work.fit(geometry()) for work in tools]
+    fitted = [
+        with_transient(scene, one, work.fit(geometry())) for one, work in zip(chosen, tools, strict=True)
+    ]
+    fields = [field for field, _ in fitted]
 
     stages.begin("asset")
     asset = _write(out, organ, fields, not tool, per_vertex)
-    results = [work.cook(out, field) for work, field in zip(tools, fields, strict=True)]
+    results = [
+        work.cook(out, field) | ({"transient": told} if told else {})
+        for work, (field, told) in zip(tools, fitted, strict=True)
+    ]
 
     stages.begin("validation")
     for work, field, result in zip(tools, fields, results, strict=True):

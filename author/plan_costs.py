@@ -34,6 +34,7 @@ from palpate.author.effort import (
 )
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
+from palpate.author.transients.transient_stage import transients_of
 
 __all__ = ["added_by", "rfield_bytes", "tool_row", "with_time"]
 
@@ -41,7 +42,7 @@ GEOMETRY = 38e3, 1.36e7
 """Bytes, (a, b) in a + b A over A m2: index, contact geometry, curves, provenance."""
 STRIDE = 15e3, 9.1e6
 """Bytes of four amplitude channels, likewise."""
-TICK = {"response": 120.0, "friction": 20.0}
+TICK = {"response": 120.0, "friction": 20.0, "transient": 15.0}
 """ns."""
 MOVES = 0.25
 """Share of a held-out full press that its two sticking moves take; an upper estimate, two of twelve equilibria, each
@@ -135,6 +136,9 @@ def added_by(
     moves = MOVES * held if "friction" in scene.effects else 0.0
     effects = []
     for effect in scene.effects:
+        if effect == "transient":
+            effects.append(_transients(scene, chosen))
+            continue
         known = effect in sizes
         presses = sum(row["presses"] for row in tools) if effect == "response" else 0
         seconds = {"response": sum(row["cpu_seconds"] for row in tools) - moves, "friction": moves}.get(
@@ -164,4 +168,16 @@ def added_by(
         "effects": effects,
         "tools": [{key: row[key] for key in keys} for row in tools],
         "regions": regions,
+    }
+
+
+def _transients(scene: Scene, chosen: Sequence[Tool]) -> dict[str, Any]:
+    """They need no press; their bytes are known before any work."""
+    made = [transients_of(scene, tool) for tool in chosen]
+    return {
+        "name": "transient",
+        "presses": 0,
+        "cpu_seconds": 0.0,
+        "bytes": sum(len(one[0]) for one in made if one),
+        "tick_ns": TICK["transient"],
     }

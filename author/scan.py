@@ -53,8 +53,9 @@ def scan(
         InputError: no such tool, a depth beyond the field's, a step that leaves nothing, a picture that is none.
         PalpateError: no grid point is in contact.
     """
+    from palpate.author.held_out import quasi_static
     from palpate.fields.cook import cook
-    from palpate.runtime import Config, Field, Session
+    from palpate.runtime import Config, Session
 
     if picture is not None and picture.suffix.lower() != ".png":
         raise InputError(InputProblem("", "--out", str(picture), "is no picture", "a name that ends in .png"))
@@ -70,7 +71,7 @@ def scan(
         grid = scan_grid(authored.mesh, authored.samples, step)
     except ValueError as error:
         raise InputError(InputProblem(str(asset), "--step", step, str(error), "a smaller step")) from None
-    session = Session(Field.open(cook(authored.field)), Config())
+    session = Session(quasi_static(cook(authored.field)), Config())
     responses = slide(session, grid, authored.field.tool.offset, depth, authored.shape.tilt)
     felt = responses["region"] == CONTACT
     if not felt.any():

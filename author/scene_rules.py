@@ -12,6 +12,7 @@ from typing import Any
 
 from palpate.author.place import Place
 from palpate.author.scene_tables import Accuracy, Device, Material, Organ, Reach, SceneHead, Tool
+from palpate.author.transients.transient_rules import transients
 
 __all__ = ["Broken", "broken_rules"]
 
@@ -76,6 +77,7 @@ def broken_rules(tables: Mapping[str, Any]) -> Iterator[Broken]:
     if reach is not None:
         yield from _one_place("reach", reach, needed=False)
     yield from _tools(tools, head, reach, painted is not None)
+    yield from transients(tools, head, device)
     if isinstance(tables.get("accuracy"), Accuracy):
         yield from _accuracy(tables["accuracy"])
     if device is not None:

@@ -27,6 +27,7 @@ from palpate.author.scene_types import (
     digest,
     refused,
 )
+from palpate.author.transients.transient_table import Transient
 
 __all__ = [
     "EFFECTS",
@@ -233,11 +234,14 @@ class Tool(Table):
     friction: Annotated[float, Quantity("fraction", least=0, most=2)] | None = Field(
         default=None, description="Coulomb coefficient between tool and tissue, 0 to 2"
     )
+    transient: Transient | None = Field(default=None, description="what its contacts play: a table")
 
     def shape_digest(self) -> str:
-        """Hex SHA-256 of the tool's geometry alone; the name, friction and tilt do not enter."""
+        """Hex SHA-256 of the tool's geometry alone; the name, friction, tilt and transient do not enter."""
         inputs = self.hash_inputs()
-        return digest({key: value for key, value in inputs.items() if key not in ("friction", "tilt")})
+        return digest(
+            {key: value for key, value in inputs.items() if key not in ("friction", "tilt", "transient")}
+        )
 
 
 def _knots(value: object) -> Any:

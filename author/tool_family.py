@@ -9,7 +9,7 @@ tick pays nothing for it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -121,4 +121,4 @@ def field_of_radius(
         provenance=provenance,
         band=tool_band([(radius, float(nodes.depth_knots[-1]))]),
     )
-    return as_cooked(own)
+    return replace(as_cooked(own), layers=field.layers)

@@ -18,7 +18,7 @@ import numpy as np
 from palpate.author.effort import node_count, region_nodes, seed_count
 from palpate.author.errors import InputError
 from palpate.author.field_stage import field_of, knots_of, press_arrays
-from palpate.author.held_out import held_out_jobs, judgement
+from palpate.author.held_out import held_out_jobs, judgement, quasi_static
 from palpate.author.mechanics import mechanics_version
 from palpate.author.node_rounds import NodeRounds
 from palpate.author.organ_stage import OrganMesh
@@ -237,10 +237,8 @@ class ToolWork:
         return judged
 
     def _judged(self, field: ResponseField, row: dict[str, Any]) -> dict[str, Any]:
-        from palpate.runtime import Field
-
         return judgement(
-            Field.open(row["rfield"]),
+            quasi_static(Path(row["rfield"]).read_bytes()),
             field.tool.offset,
             self._outcomes(self.held_jobs),
             self._outcomes(self.near_jobs),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""The options of `palpate transients plan | fit | library | assess`; the work is in author/transients/."""
+"""The options of `palpate transients plan | fit | library | cook | assess`; the work is in author/transients/."""
 
 from __future__ import annotations
 
@@ -138,6 +138,7 @@ def library(
 
         from palpate.author.transients.identification import BAND, DeviceModel
         from palpate.author.transients.library import library_of
+        from palpate.author.transients.library_file import write_library
         from palpate.author.transients.pictures import library_picture, tap_sound
         from palpate.author.transients.recordings import read_recording, require_usable
 
@@ -167,7 +168,7 @@ def library(
             device, [run.acceleration for run in runs], [run.velocity or 0.0 for run in runs], rate, stiffness
         )
         out.mkdir(parents=True, exist_ok=True)
-        np.savez(out / "library.npz", rate=made.rate, velocity=made.velocity, force=made.force)
+        write_library(out / "library.npz", made, stiffness)
         library_picture(made, out / "library.png")
         tap_sound(runs[len(runs) // 2].acceleration, rate, out / "tap.wav")
         result = {
@@ -182,6 +183,41 @@ def library(
         return Answer(result, [told])
 
     _end(work, as_json)
+
+
+@transients.command()
+def cook(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="with tables [tool.transient]")],
+    asset: Annotated[Path, typer.Option("--asset", metavar="DIR", help="made by `palpate author`")],
+    tool: Annotated[str, typer.Option("--tool", help="this one only")] = "",
+    as_json: Json = False,
+) -> None:
+    """Put a scene's transients into an asset that is there, without a press: USD and .rfield."""
+
+    def work() -> Answer:
+        from palpate.author.capabilities import require_capabilities
+        from palpate.author.scene import load_scene
+        from palpate.author.transients.cook import cook_transients
+
+        read = load_scene(scene)
+        require_capabilities(read)
+        rows = cook_transients(read, asset, tool)
+        told = [_cooked_line(row) for row in rows]
+        return Answer({"asset": str(asset), "tools": rows}, ["\n".join(told)])
+
+    _end(work, as_json)
+
+
+def _cooked_line(row: dict[str, Any]) -> str:
+    files = ", ".join(row["rfields"])
+    if "shape" not in row:
+        return f"{files}: no transients"
+    low, high = row["velocity"]
+    return (
+        f"{files}: {row['shape']}, {row['velocity_count']} velocities from {low:g} to {high:g} m/s, "
+        f"{1e3 * row['duration']:.0f} ms, up to {row['force_max']:.3g} N of {row['force_short']:g} N"
+        + (", limited" if row["limited"] else "")
+    )
 
 
 @transients.command()

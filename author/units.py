@@ -47,6 +47,8 @@ _UNITS: dict[str, tuple[float, Exponents]] = {
     "N": (1.0, _FORCE),
     "mN": (1e-3, _FORCE),
     "kN": (1e3, _FORCE),
+    "J": (1.0, (2, 1, -2, 0)),
+    "mJ": (1e-3, (2, 1, -2, 0)),
     "Pa": (1.0, _PRESSURE),
     "kPa": (1e3, _PRESSURE),
     "MPa": (1e6, _PRESSURE),
@@ -65,6 +67,8 @@ DIMENSIONS: dict[str, tuple[Exponents, str, str]] = {
     "mass": (_MASS, "kg", "0.5 kg"),
     "stiffness": ((0, 1, -2, 0), "N/m", "2.3 N/mm"),
     "damping": ((0, 1, -1, 0), "N s/m", "5 N s/m"),
+    "velocity": ((1, 0, -1, 0), "m/s", "0.1 m/s"),
+    "energy": ((2, 1, -2, 0), "J", "2 mJ"),
     "fraction": (_NUMBER, "1", "3.5 %"),
 }
 """Name of a dimension: exponents of (m, kg, s, rad), SI unit, an example of a string."""

@@ -18,7 +18,7 @@ from palpate.author.authored_tool import authored_tool
 from palpate.author.cook_asset import refuse_radius
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.family_work import family_judgement
-from palpate.author.held_out import held_out_jobs, judgement
+from palpate.author.held_out import held_out_jobs, judgement, quasi_static
 from palpate.author.place import Sphere
 from palpate.author.press_executor import fitting_workers, press_executor
 from palpate.author.press_jobs import run_jobs
@@ -56,7 +56,6 @@ def validate(
             `within`.
     """
     from palpate.fields.cook import cook
-    from palpate.runtime import Field
 
     progress = progress or SilentProgress()
     authored = authored_tool(asset, tool)
@@ -97,9 +96,9 @@ def validate(
     if radii:
         judged = family_judgement(field, radii, outcomes, [], tolerance, samples.beyond(mesh))
     elif field.ways:
-        judged = ways_judgement(Field.open(cook(field)), ways, outcomes, [], tolerance)
+        judged = ways_judgement(quasi_static(cook(field)), ways, outcomes, [], tolerance)
     else:
-        judged = judgement(Field.open(cook(field)), field.tool.offset, outcomes, [], tolerance)
+        judged = judgement(quasi_static(cook(field)), field.tool.offset, outcomes, [], tolerance)
     judged = {
         "tool": field.tool.name,
         "seed": seed,

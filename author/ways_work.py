@@ -9,11 +9,13 @@ hardly depends on which tangent is the first one, so that a reach may hold place
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from palpate.author.field_stage import REACH_MARGIN, band_of_tool, coarsest_field
+from palpate.author.held_out import quasi_static
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob
 from palpate.author.scene import Scene
@@ -82,10 +84,8 @@ class WaysWork(SharedPlaces):
         return as_cooked(field)
 
     def _judged(self, field: ResponseField, row: dict[str, Any]) -> dict[str, Any]:
-        from palpate.runtime import Field
-
         judged = ways_judgement(
-            Field.open(row["rfield"]),
+            quasi_static(Path(row["rfield"]).read_bytes()),
             self._judged_ways,
             self._outcomes(self.held_jobs),
             self._outcomes(self.near_jobs),

@@ -9,6 +9,8 @@ runtime_cpp/src/layers/transient.h.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
 __all__ = [
@@ -17,7 +19,9 @@ __all__ = [
     "SAMPLE_LIMIT",
     "VELOCITY_LIMIT",
     "VERSION",
+    "TransientLayer",
     "TransientLayerError",
+    "read_transient_layer",
     "transient_layer",
 ]
 
@@ -57,6 +61,16 @@ LIMITS = {
     "energy_max": (0.0, 1e2),
 }
 """Smallest and largest value that the runtime takes."""
+
+
+@dataclass(frozen=True)
+class TransientLayer:
+    """Attributes: velocity (k,) m/s; force (k, n) N, positive out of the surface; numbers: the header's, in ENTRIES'
+    units, by name."""
+
+    velocity: np.ndarray
+    force: np.ndarray
+    numbers: dict[str, float] = field(default_factory=dict)
 
 
 class TransientLayerError(ValueError):
@@ -136,3 +150,21 @@ def transient_layer(
             raise TransientLayerError(f"{key} = {value} is out of range: {least:g} to {most:g}")
         header[key] = value
     return header.tobytes() + velocity.tobytes() + force.tobytes()
+
+
+def read_transient_layer(data: bytes) -> TransientLayer:
+    """What `transient_layer` wrote.  Raises TransientLayerError."""
+    if len(data) < HEADER_DTYPE.itemsize:
+        raise TransientLayerError(f"{len(data)} bytes: shorter than the header of {HEADER_DTYPE.itemsize}")
+    header = np.frombuffer(data, HEADER_DTYPE, count=1)[0]
+    if header["magic"] != MAGIC or header["version"] != VERSION:
+        raise TransientLayerError(f"not a transient layer of version {VERSION}")
+    k, n = int(header["velocity_count"]), int(header["sample_count"])
+    size = HEADER_DTYPE.itemsize + 8 * k + 4 * k * n
+    if len(data) != size:
+        raise TransientLayerError(f"{len(data)} bytes; {k} transients of {n} samples are {size}")
+    velocity = np.frombuffer(data, "<f8", k, HEADER_DTYPE.itemsize)
+    force = np.frombuffer(data, "<f4", k * n, HEADER_DTYPE.itemsize + 8 * k)
+    return TransientLayer(
+        velocity.astype(float), force.reshape(k, n).copy(), {key: float(header[key]) for key in LIMITS}
+    )

@@ -61,7 +61,8 @@ def test_every_example_reads_as_its_own_dimension_and_as_no_other(dimension: str
     [
         ("3 kPa", "length", "is a pressure, not a length"),
         ("3 s", "angle", "is a time, not an angle"),
-        ("3 m/s", "length", "is a quantity in m^1 s^-1, not a length"),
+        ("3 m/s", "length", "is a velocity, not a length"),
+        ("3 m^2/s", "length", "is a quantity in m^2 s^-1, not a length"),
         ("3", "length", "carries no unit"),
         ("3 parsec", "length", 'unknown unit "parsec"'),
         ("3 kpa", "pressure", 'did you mean "kPa"'),

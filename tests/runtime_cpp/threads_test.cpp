@@ -74,6 +74,14 @@ TEST(threads, two_hands_feel_an_organ_that_a_third_thread_moves_smoothly_and_no_
 struct swap_desk {
     std::atomic<const palpate_field*> offered{nullptr};  // for the loop to take
     std::atomic<const palpate_field*> returned{nullptr};  // no tick will read it again
+    std::atomic<bool> pressed{false};
+    std::atomic<long> ticks{0};
+
+    // Until the tool presses, or for a while: a swap may release the contact.
+    void wait_for_contact() const {
+        const long from = ticks.load();
+        while (!pressed.load() && ticks.load() - from < 5000) std::this_thread::yield();
+    }
 };
 
 TEST(threads, a_field_opened_on_another_thread_is_taken_while_pressed_and_the_one_before_closed_there) {
@@ -91,6 +99,7 @@ TEST(threads, a_field_opened_on_another_thread_is_taken_while_pressed_and_the_on
             const auto& bytes = *files[i % 3];
             palpate_field* next = nullptr;
             EXPECT_EQ(palpate_field_open(bytes.data(), bytes.size(), 0, &next, nullptr, 0), PALPATE_OK);
+            desk.wait_for_contact();
             desk.offered.store(next, std::memory_order_release);
             while (desk.returned.load(std::memory_order_acquire) != now) std::this_thread::yield();
             palpate_field_close(now);
@@ -121,6 +130,8 @@ TEST(threads, a_field_opened_on_another_thread_is_taken_while_pressed_and_the_on
             pressed += before.stored_energy > 0.0 && r.stored_energy > 0.0;
         }
         before = r;
+        desk.pressed = r.stored_energy > 0.0;
+        ++desk.ticks;
         if (i % 64 == 0) std::this_thread::yield();
     }
     desk.returned.store(using_now, std::memory_order_release);

@@ -225,10 +225,10 @@ def assess(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="where pictures and sounds go")
     ] = None,
-    superposed: Annotated[
+    attenuated: Annotated[
         bool,
         typer.Option(
-            "--superposed", help="libraries leave to the response what it does itself, not scaled by 0.8"
+            "--attenuated", help="libraries know nothing of the response, and are scaled by the paper's 0.8"
         ),
     ] = False,
     as_json: Json = False,
@@ -241,7 +241,7 @@ def assess(
         from palpate.author.transients.pictures import accelerations_picture, tap_sound
 
         result = assessed(
-            superposed=superposed, progress=lambda line: print(line, file=sys.stderr, flush=True)
+            attenuated=attenuated, progress=lambda line: print(line, file=sys.stderr, flush=True)
         )
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
@@ -254,9 +254,11 @@ def assess(
         ]
         lines += [
             f"{row['sample']:18s} off by {100 * row['spectrum_error_mean']:5.1f} % "
-            f"(worst {100 * row['spectrum_error_worst']:.1f} %), "
+            f"(worst {100 * row['spectrum_error_worst']:.1f} %), shape {100 * row['shape_error']:4.1f} % at "
+            f"x {row['gain']:.2f}, "
             f"peak x {row['peak_ratio']:.2f}, correlation {row['correlation']:.2f}"
             + (", saturated" if row["saturated"] else "")
+            + (", limited" if row["limited"] else "")
             for row in result["rows"]
         ]
         lines.append(

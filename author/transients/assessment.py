@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """How near do renderings come to a tap on the real thing?  A physical measure, not a user study.
 
-Each of the eleven samples is tapped by the simulated stylus at the same velocities; what its tip accelerates in the
-first 100 ms is held against the target's (wood on foam, as in the paper's figure 8): peak, magnitude of the
-spectrum from
-20 to 400 Hz, and the best correlation within 5 ms of delay.  The ranking is by the spectrum's error, averaged
-over velocities.
+Each of the eleven samples is tapped by the simulated stylus at the same velocities; renderings are the C++ runtime's,
+its response and its layer `transient`, a tick each period.  What the tip accelerates in the first 100 ms is held
+against the target's (wood on foam, as in the paper's figure 8): peak, magnitude of the spectrum from 20 to 400 Hz, and
+the best correlation within 5 ms of delay.  The ranking is by the spectrum's error, averaged over velocities.  `gain` is
+the factor by which a spectrum fits the target best and `shape_error` what is then left: a tap that is only too weak has
+no shape error.
 """
 
 from __future__ import annotations
@@ -16,14 +17,16 @@ from typing import Any
 
 import numpy as np
 
+from palpate.author.transients.flat_surface import RuntimeLoop
 from palpate.author.transients.identification import DeviceModel, empirical_transfer, fitted_model, sweep
-from palpate.author.transients.inversion import WINDOW, in_band, spectrum_error
+from palpate.author.transients.inversion import WINDOW, in_band, spectrum, spectrum_error
 from palpate.author.transients.library import Library, library_of
-from palpate.author.transients.samples import REAL, SAMPLES, Rendering, controller
+from palpate.author.transients.samples import REAL, SAMPLES, Rendering, layer_of
 from palpate.author.transients.stylus import Stylus
 from palpate.author.transients.tap import RealSample, Taps, swept, tapped
+from palpate.author.transients.transient_table import ATTENUATION
 
-__all__ = ["TARGET", "assess", "identified", "recorded_library"]
+__all__ = ["ASSESSED", "TARGET", "after_contact", "assess", "identified", "recorded_library"]
 
 TARGET = "wood_on_foam"
 RECORDED = (0.04, 0.06, 0.08, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22)
@@ -56,62 +59,70 @@ def recorded_library(
 ) -> Library:
     """From noisy taps on `target`; beside a response of `stiffness` N/m where that is not 0."""
     taps = tapped(stylus, np.array(velocity), target, seed=seed)
-    return library_of(model, list(_after(taps)), list(velocity), stylus.rate, stiffness)[0]
+    return library_of(model, list(after_contact(taps)), list(velocity), stylus.rate, stiffness)[0]
 
 
 def assess(
     stylus: Stylus | None = None,
     velocity: Sequence[float] = ASSESSED,
-    superposed: bool = False,
+    attenuated: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:
     """Taps all samples and ranks them.
 
     Args:
-        superposed: libraries leave to the response what it does itself, instead of the paper's attenuation.
+        attenuated: libraries know nothing of the response and are scaled by the paper's 0.8, instead of leaving to the
+            response what it does itself.
 
     Returns:
-        target, velocity (m/s), model ({gain_error dB, phase_error deg, delay s}), rows: [{sample, spectrum_error (over
-        `velocity`), spectrum_error_mean, spectrum_error_worst, peak_ratio, correlation, saturated}] by rising
-        mean error, order_reproduced,
-        curves: {sample: (n,) m/s2 at the velocity nearest to 0.11}, rate.
+        target, velocity (m/s), attenuated, model ({gain_error dB, phase_error deg, delay s}), rows: [{sample,
+        spectrum_error (over `velocity`), spectrum_error_mean, spectrum_error_worst, gain, shape_error, peak_ratio,
+        correlation, saturated (by the amplifier), limited (by the layer), given (J to the hand by the layer, at most)}]
+        by rising mean error, order_reproduced, curves: {sample: (n,) m/s2 at the velocity nearest to 0.11}, rate.
     """
     say = progress or (lambda line: None)
     stylus = stylus or Stylus()
     v = np.asarray(velocity, dtype=float)
     say("identifying the device")
     model = identified(stylus)
-    target = _after(tapped(stylus, v, REAL[TARGET]))
+    target = after_contact(tapped(stylus, v, REAL[TARGET]))
     rows, curves = [], {}
     middle = int(np.argmin(abs(v - 0.11)))
     libraries: dict[float, Library] = {}
     for name, sample in SAMPLES.items():
         say(f"tapping {name}")
+        loop = None
         if isinstance(sample, Rendering):
             library = None
             if sample.transient == "library":
-                beside = sample.stiffness if superposed else 0.0
+                beside = 0.0 if attenuated else sample.stiffness
                 if beside not in libraries:
                     libraries[beside] = recorded_library(stylus, model, stiffness=beside)
                 library = libraries[beside]
-            play = controller(sample, stylus, library, 1.0 if superposed else 0.8)
-            taps = tapped(stylus, v, controller=play)
+            layer = layer_of(sample, stylus, library, ATTENUATION if attenuated else 1.0)
+            loop = RuntimeLoop(stylus, sample.stiffness, layer)
+            taps = tapped(stylus, v, controller=loop)
         else:
             taps = tapped(stylus, v, sample)
-        after = _after(taps)
+        after = after_contact(taps)
         curves[name] = after[middle]
         errors = [spectrum_error(a, t, stylus.rate) for a, t in zip(after, target, strict=True)]
+        gain, shape_error = _scaled(after, target, stylus.rate)
         rows.append(
             {
                 "sample": name,
                 "spectrum_error": errors,
                 "spectrum_error_mean": float(np.mean(errors)),
                 "spectrum_error_worst": float(np.max(errors)),
+                "gain": gain,
+                "shape_error": shape_error,
                 "peak_ratio": float(np.mean(abs(after).max(1) / abs(target).max(1))),
                 "correlation": float(
                     np.mean([_correlation(a, t, stylus.rate) for a, t in zip(after, target, strict=True)])
                 ),
                 "saturated": bool(taps.saturated.any()),
+                "limited": bool(loop is not None and loop.limited.any()),
+                "given": float(loop.given.max()) if loop is not None else 0.0,
             }
         )
     rows.sort(key=lambda row: row["spectrum_error_mean"])
@@ -124,7 +135,7 @@ def assess(
     return {
         "target": TARGET,
         "velocity": [float(x) for x in v],
-        "superposed": superposed,
+        "attenuated": attenuated,
         "model": {"gain_error": model.gain_error, "phase_error": model.phase_error, "delay": model.delay},
         "rows": rows,
         "order_reproduced": ordered,
@@ -133,7 +144,7 @@ def assess(
     }
 
 
-def _after(taps: Taps) -> np.ndarray:
+def after_contact(taps: Taps) -> np.ndarray:
     """(taps, n) m/s2 from contact on."""
     first = int(np.searchsorted(taps.time, 0.0))
     return taps.acceleration[:, first : first + round(WINDOW * taps.rate)]
@@ -144,3 +155,13 @@ def _correlation(signal: np.ndarray, target: np.ndarray, rate: float) -> float:
     late = range(-round(0.005 * rate), round(0.005 * rate) + 1)
     size = np.linalg.norm(s) * np.linalg.norm(t)
     return float(max(np.dot(np.roll(s, -k), t) for k in late) / size) if size > 0 else 0.0
+
+
+def _scaled(after: np.ndarray, target: np.ndarray, rate: float) -> tuple[float, float]:
+    """Means over taps of the factor that brings a spectrum nearest to the target's, and of the error that is left."""
+    gains, errors = [], []
+    for a, t in zip(after, target, strict=True):
+        (_, s), (_, r) = spectrum(a, rate), spectrum(t, rate)
+        gains.append(float(s @ r / (s @ s)))
+        errors.append(float(np.linalg.norm(gains[-1] * s - r) / np.linalg.norm(r)))
+    return float(np.mean(gains)), float(np.mean(errors))

@@ -17,17 +17,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from palpate.author.transients.library import Library
+from palpate.author.transients.library import Library, library_of_shape
 from palpate.author.transients.shapes import decaying_sinusoid, pulse
 from palpate.author.transients.stylus import Stylus
 from palpate.author.transients.tap import Controller, RealSample
+from palpate.author.transients.transient_table import ATTENUATION
+from palpate.fields.transient_layout import transient_layer
 
-__all__ = ["FIRM", "REAL", "SAMPLES", "SOFT", "Rendering", "controller"]
+__all__ = ["FIRM", "PULSE", "REAL", "SAMPLES", "SINUSOID", "SOFT", "Rendering", "controller", "layer_of"]
 
 FIRM, SOFT = 680.0, 340.0
 """N/m, of the study's two proportional responses."""
-ATTENUATION = 0.8
-"""Of the library beside a stiff response (the paper, section 3.4)."""
+PULSE = (5.7, 0.020)
+"""N s/m and s (the paper, table 1)."""
+SINUSOID = (15.9, 36.2, 0.055)
+"""N s/m, Hz and s (the paper, table 1, and its footnote)."""
+SHAPED = (0.01, 0.3)
+"""m/s, between which the shapes are stored; they are linear in velocity."""
 
 REAL = {
     "wood": RealSample(70_000.0, 4.0),
@@ -57,14 +63,39 @@ SAMPLES: dict[str, RealSample | Rendering] = {
 }
 
 
+def layer_of(
+    rendering: Rendering, stylus: Stylus, library: Library | None = None, attenuation: float = 1.0
+) -> bytes | None:
+    """What the runtime plays beside the response; shapes as the study tuned them, the library times `attenuation`."""
+    if rendering.transient == "none":
+        return None
+    if rendering.transient == "library":
+        assert library is not None
+        made = library
+    elif rendering.transient == "pulse":
+        made = library_of_shape(lambda t, v: pulse(t, v, *PULSE), PULSE[1], SHAPED, stylus.rate)
+    else:
+        made = library_of_shape(
+            lambda t, v: decaying_sinusoid(t, v, *SINUSOID), SINUSOID[2], SHAPED, stylus.rate
+        )
+    return transient_layer(
+        made.rate,
+        made.velocity,
+        made.force,
+        attenuation=attenuation if rendering.transient == "library" else 1.0,
+        force_short=stylus.force_max,
+        force_steady=stylus.force_steady,
+    )
+
+
 def controller(
     rendering: Rendering,
     stylus: Stylus,
     library: Library | None = None,
     attenuation: float = ATTENUATION,
-    frequency: float = 36.2,
 ) -> Controller:
-    """What the study's loop does: a spring, and from the first crossing on a transient for the velocity measured then.
+    """What the study's loop does, in Python: a spring, and from the first crossing on a transient for the velocity
+    measured then.  The runtime is held against it.
 
     Velocity is the slope of the encoder's readings over the last `SPAN`.  Commands are positive into the sample.
     """
@@ -75,9 +106,9 @@ def controller(
 
     def transient(v: float) -> np.ndarray:
         if rendering.transient == "pulse":
-            return pulse(time, v, 5.7, 0.020)
+            return pulse(time, v, *PULSE)
         if rendering.transient == "sinusoid":
-            return decaying_sinusoid(time, v, 15.9, frequency, 0.055)
+            return decaying_sinusoid(time, v, *SINUSOID)
         assert library is not None
         return attenuation * library.at(v)
 

@@ -22,6 +22,24 @@ void silence(transient_state& t) noexcept {
     for (double& x : t.force) x = 0.0;
 }
 
+// Incoming velocity: the slope of the line through the depths known so far, which the organ's own motion is part of, each weighted
+// by (T / (T + dt))^n, n ticks ago.  Noise of s in the depth is s sqrt(dt / T) / (2 T) of it; two filters of the depth's rate in
+// its place heard an encoder's single steps, or took longer than an approach lasts.
+void remember(transient_state& t, double depth, double dt, double memory) noexcept {
+    const double kept = memory / (memory + dt);
+    t.age2 = kept * (t.age2 - 2.0 * dt * t.age + dt * dt * t.count);
+    t.moment = kept * (t.moment - dt * t.sum);
+    t.age = kept * (t.age - dt * t.count);
+    t.count = kept * t.count + 1.0;
+    t.sum = kept * t.sum + depth;
+}
+
+// m/s; `stroke` where the surface was reached in one stroke from where no depth is known, or without memory.
+double incoming(const transient_state& t, double stroke) noexcept {
+    const double spread = t.count * t.age2 - t.age * t.age;
+    return spread > 0.0 ? (t.count * t.moment - t.age * t.sum) / spread : stroke;
+}
+
 void begin_event(transient_state& t, const transient_header& h, const double* velocity, double v, const double normal[3],
                  std::uint32_t& status) noexcept {
     for (transient_event& e : t.event) {
@@ -112,7 +130,8 @@ std::uint32_t play_transients(transient_state& t, const layer_bytes& bytes, cons
     }
     if ((out.status & PALPATE_TICK_BAD_INPUT) != 0) {  // where the hand went is not known
         silence(t);
-        t.seen = t.measured = t.rated = t.armed = false;
+        t.seen = t.armed = false;
+        t.count = t.age = t.age2 = t.sum = t.moment = 0.0;
         return status;
     }
     const double work = dot3(t.force, step);  // on the hand
@@ -123,19 +142,13 @@ std::uint32_t play_transients(transient_state& t, const layer_bytes& bytes, cons
         t.taken -= work;
     }
 
-    // Incoming velocity: how fast depth grows, which the organ's own motion is part of.
     const bool known = out.region == PALPATE_REGION_FREE || out.region == PALPATE_REGION_CONTACT;
     const bool inside = out.region == PALPATE_REGION_CONTACT;
-    if (known && t.measured) {
-        const double now = (out.depth - t.depth) / state.dt;
-        t.velocity = t.rated ? t.velocity + state.dt / (h.velocity_time + state.dt) * (now - t.velocity) : now;
-        t.rated = true;
-    } else {  // in one stroke from where no depth is known
-        t.velocity = inside ? -dot3(step, out.normal) / state.dt : 0.0;
-        t.rated = false;
+    if (known) {
+        remember(t, out.depth, state.dt, h.velocity_time);
+    } else {
+        t.count = t.age = t.age2 = t.sum = t.moment = 0.0;
     }
-    t.measured = known;
-    t.depth = out.depth;
     for (int a = 0; a < 3; ++a) t.q[a] = out.reference_point[a];
     t.seen = true;
 
@@ -146,8 +159,9 @@ std::uint32_t play_transients(transient_state& t, const layer_bytes& bytes, cons
     }
     if (inside) {
         t.off = 0.0;
-        if (t.armed && faults == 0 && t.velocity >= h.velocity_min && t.velocity > 0.0) {
-            begin_event(t, h, velocity, t.velocity, out.normal, status);
+        if (t.armed && faults == 0) {
+            const double v = incoming(t, -dot3(step, out.normal) / state.dt);
+            if (v >= h.velocity_min && v > 0.0) begin_event(t, h, velocity, v, out.normal, status);
         }
         t.armed = false;  // a contact begins once
     } else {

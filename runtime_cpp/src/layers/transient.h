@@ -33,7 +33,7 @@ struct transient_header {
     double rearm_distance;  // m; so far off the surface another event may begin
     double rearm_time;      // s; or so long off it
     double velocity_min;    // m/s; slower contacts begin no event
-    double velocity_time;   // s; of the filter that measures the incoming velocity
+    double velocity_time;   // s; memory of the line that measures the incoming velocity
     double energy_max;      // J; that one event may give to the hand
     double reserved[4];
 };
@@ -53,10 +53,9 @@ struct transient_event {
 struct transient_state {
     const unsigned char* library;  // that the events play
     transient_event event[transient_event_limit];
-    bool armed, seen;       // seen: depth and q are the last tick's
-    double depth, q[3];     // m
-    double velocity;        // m/s, into the tissue, filtered
-    bool measured, rated;   // depth, velocity are valid
+    bool armed, seen;       // seen: q is the last tick's
+    double q[3];            // m
+    double count, age, age2, sum, moment;  // weighted sums over the depths known so far of 1, t, t^2, depth, t depth; t = 0 now
     double off;             // s since contact
     double force[3];        // N; sent at the last tick
     double mean_square;     // N^2; of all that was sent

@@ -13,12 +13,19 @@ from scipy.io import wavfile
 
 from palpate.author.command_line import main
 from palpate.author.errors import InputError
-from palpate.author.transients.assessment import RECORDED, TARGET, identified, recorded_library
+from palpate.author.transients.assessment import (
+    RECORDED,
+    TARGET,
+    after_contact,
+    identified,
+    recorded_library,
+)
+from palpate.author.transients.flat_surface import RuntimeLoop
 from palpate.author.transients.identification import BAND, DeviceModel, empirical_transfer, sweep
 from palpate.author.transients.inversion import inverted, require_invertible, spectrum_error
 from palpate.author.transients.library import Library, library_of
 from palpate.author.transients.recordings import Recording, read_recording, require_usable
-from palpate.author.transients.samples import FIRM, REAL, SOFT, Rendering, controller
+from palpate.author.transients.samples import FIRM, PULSE, REAL, SOFT, Rendering, controller, layer_of
 from palpate.author.transients.shapes import decaying_sinusoid, modal_sum, pulse
 from palpate.author.transients.shock import loss, shock
 from palpate.author.transients.stylus import Stylus
@@ -96,27 +103,43 @@ def test_shapes_scale_with_velocity_and_end() -> None:
     assert both == pytest.approx(alone)
 
 
-def test_renderings_keep_the_order_of_the_study_and_matched_ones_are_within_15_percent(
+def test_renderings_of_the_runtime_keep_the_order_of_the_study_and_matched_ones_are_within_15_percent(
     model: DeviceModel, library: Library
 ) -> None:
     v = np.array([0.05, 0.11, 0.20])
-    first = round(0.02 * STYLUS.rate)
-    target = tapped(STYLUS, v, REAL[TARGET]).acceleration[:, first:]
+    target = after_contact(tapped(STYLUS, v, REAL[TARGET]))
 
-    def error(rendering: Rendering, of: Library | None = None, attenuation: float = 0.8) -> float:
-        taps = tapped(STYLUS, v, controller=controller(rendering, STYLUS, of, attenuation))
-        return max(
-            spectrum_error(a, t, STYLUS.rate)
-            for a, t in zip(taps.acceleration[:, first:], target, strict=True)
-        )
+    def error(rendering: Rendering, of: Library | None = None, attenuation: float = 1.0) -> float:
+        loop = RuntimeLoop(STYLUS, rendering.stiffness, layer_of(rendering, STYLUS, of, attenuation))
+        after = after_contact(tapped(STYLUS, v, controller=loop))
+        assert list(loop.events) == [0 if rendering.transient == "none" else 1] * len(v)
+        return max(spectrum_error(a, t, STYLUS.rate) for a, t in zip(after, target, strict=True))
 
     beside = recorded_library(STYLUS, model, velocity=RECORDED[::3], stiffness=FIRM)
-    matched = error(Rendering(FIRM, "library"), beside, 1.0)
-    attenuated = error(Rendering(FIRM, "library"), library)
+    matched = error(Rendering(FIRM, "library"), beside)
+    plain = error(Rendering(FIRM, "library"), library)
+    attenuated = error(Rendering(FIRM, "library"), library, 0.8)
     shaped = [error(Rendering(FIRM, kind)) for kind in ("pulse", "sinusoid")]
-    assert matched < 0.15 and matched < attenuated < min(shaped)
+    assert matched < 0.15 and matched < plain < attenuated < min(shaped)
     assert max(shaped) < error(Rendering(FIRM))
     assert error(Rendering(FIRM)) < error(Rendering(SOFT))
+
+
+@pytest.mark.parametrize("transient", ["none", "pulse", "sinusoid"])
+def test_the_runtime_commands_what_the_paper_s_loop_does(transient: str) -> None:
+    rendering, v = Rendering(FIRM, transient), np.array([0.05, 0.15])
+    loop = RuntimeLoop(STYLUS, FIRM, layer_of(rendering, STYLUS))
+    ours = tapped(STYLUS, v, controller=loop).command
+    theirs = tapped(STYLUS, v, controller=controller(rendering, STYLUS)).command
+    assert np.linalg.norm(ours - theirs) < 0.03 * np.linalg.norm(theirs)
+
+
+def test_an_encoder_s_steps_change_the_measured_velocity_by_less_than_two_percent() -> None:
+    """A pulse's height is the velocity at which the runtime thinks that the tip came."""
+    v = np.array([0.05, 0.08, 0.13, 0.2])
+    loop = RuntimeLoop(STYLUS, 1e-3, layer_of(Rendering(1e-3, "pulse"), STYLUS))
+    command = tapped(STYLUS, v, controller=loop).command
+    assert -command.min(axis=1) / PULSE[0] == pytest.approx(v, rel=0.02)
 
 
 def test_a_library_at_velocities_between_its_own_is_within_10_percent(

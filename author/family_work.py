@@ -9,7 +9,7 @@ Held-out presses of every radius judge whether that was enough.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.field_stage import REACH_MARGIN, coarsest_field
-from palpate.author.held_out import judgement_of, percentiles, press_judgements, quasi_static
+from palpate.author.held_out import Beyond, judgement_of, percentiles, press_judgements, quasi_static
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.scene import Scene
@@ -39,8 +39,6 @@ from palpate.fields.build_field import build_field
 from palpate.fields.response_field import ContactGeometry, FamilyMember, ResponseField
 
 __all__ = ["FamilyWork", "family_judgement"]
-
-Reach = Callable[[np.ndarray], np.ndarray]
 
 
 class FamilyWork(SharedPlaces):
@@ -76,7 +74,7 @@ class FamilyWork(SharedPlaces):
         return replace(as_cooked(field), family=tuple(members))
 
     @property
-    def _beyond(self) -> Reach:
+    def _beyond(self) -> Beyond:
         return self.samples.beyond(self._mesh)
 
     def cook(self, out: Path, field: ResponseField) -> dict[str, Any]:
@@ -109,7 +107,7 @@ def family_judgement(
     outcomes: Sequence[PressOutcome],
     near: Sequence[PressOutcome],
     tolerance: float,
-    beyond: Reach,
+    beyond: Beyond,
 ) -> dict[str, Any]:
     """As `held_out.judgement`, each press by the field of its radius; and the errors by radius under "family".
 
@@ -124,7 +122,7 @@ def family_judgement(
         if not at:
             continue
         rendered = quasi_static(cook(field_of_radius(field, judged.radius, beyond, REACH_MARGIN)))
-        own[judged] = press_judgements(rendered, judged.radius, [outcomes[i] for i in at])
+        own[judged] = press_judgements(rendered, judged.radius, [outcomes[i] for i in at], beyond)
         for i, row in zip(at, own[judged], strict=True):
             rows[i] = {"radius": judged.radius, "radius_pressed": judged.pressed, **row}
     whole = judgement_of(rows, outcomes, near, tolerance)

@@ -16,7 +16,7 @@ judged where f_n(FEM) exceeds FLOOR of its value at the deepest state.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
@@ -31,6 +31,7 @@ from palpate.runtime import Config, Field, Session
 
 __all__ = [
     "FLOOR",
+    "Beyond",
     "Rendered",
     "Rendering",
     "held_out_jobs",
@@ -50,6 +51,10 @@ APPROACH = 1e-3
 """m; the session starts this far outside."""
 REACHED = 0.7
 """Sticking moves go this share of the stretch at which friction yields."""
+
+
+Beyond = Callable[[np.ndarray], np.ndarray]
+"""Tool references (n, 3) m -> (n,) m outside the reach, none or less within it."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +131,9 @@ def _render(
     return Rendered(np.array(forces), np.array(status))
 
 
-def _press_judgement(field: Field | Rendering, offset: float, outcome: PressOutcome) -> dict[str, Any]:
+def _press_judgement(
+    field: Field | Rendering, offset: float, outcome: PressOutcome, beyond: Beyond | None
+) -> dict[str, Any]:
     a, v = outcome.arrays, outcome.values
     row: dict[str, Any] = {
         "contact_point": list(outcome.job.contact_point),
@@ -168,7 +175,8 @@ def _press_judgement(field: Field | Rendering, offset: float, outcome: PressOutc
             }
         )
     row["slides"] = [
-        _slide(field, start, c, n, offset, path, held) for path in (v.get("drag") or {}).get("paths", ())
+        _slide(field, start, c, n, offset, path, held, beyond)
+        for path in (v.get("drag") or {}).get("paths", ())
     ]
     mask = lambda values: [float(x) if ok else None for x, ok in zip(values, judged, strict=True)]  # noqa: E731
     return {
@@ -191,19 +199,26 @@ def _slide(
     offset: float,
     path: dict[str, Any],
     held: np.ndarray,
+    beyond: Beyond | None,
 ) -> dict[str, Any]:
-    """One drag of finite elements, and the same way in the runtime; `held` as `_render` has it."""
+    """One drag of finite elements, and the same way in the runtime; `held` as `_render` has it.
+
+    A drag that ends outside the reach is not judged: its error stands under another name.
+    """
     here = c + (offset - path["depth"]) * n
     there = here + path["way"][-1] * np.array(path["direction"])
     fem = np.array(path["force_vector"][-1])
     rendered = _render(field, None, [start, here, there], held).force[-1]
+    error = float(np.linalg.norm(rendered - fem) / (fem @ n))
+    outside = beyond is not None and float(beyond(there[None])[0]) > 0.0
     return {
         "depth": path["depth"],
         "move": (there - here).tolist(),
         "fem_force": fem.tolist(),
         "rendered_force": rendered.tolist(),
         "steady": path["steady"],
-        "error": float(np.linalg.norm(rendered - fem) / (fem @ n)),
+        "error": None if outside else error,
+        "error_beyond": error if outside else None,
     }
 
 
@@ -230,6 +245,7 @@ def judgement(
     outcomes: Sequence[PressOutcome],
     near: Sequence[PressOutcome],
     tolerance: float,
+    beyond: Beyond | None = None,
 ) -> dict[str, Any]:
     """Held-out errors of one tool.
 
@@ -238,15 +254,16 @@ def judgement(
         outcomes: held-out presses.
         near: near-field presses at some of the same points, for the far field's own error; may be empty.
         tolerance: fraction at the 95th percentile, of each kind of error; the worst may be twice that.
+        beyond: drags that end outside the reach are not judged; None: all are.
     """
-    return judgement_of(press_judgements(field, offset, outcomes), outcomes, near, tolerance)
+    return judgement_of(press_judgements(field, offset, outcomes, beyond), outcomes, near, tolerance)
 
 
 def press_judgements(
-    field: Field | Rendering, offset: float, outcomes: Sequence[PressOutcome]
+    field: Field | Rendering, offset: float, outcomes: Sequence[PressOutcome], beyond: Beyond | None = None
 ) -> list[dict[str, Any]]:
-    """One row for each press, in their order."""
-    return [_press_judgement(field, offset, outcome) for outcome in outcomes]
+    """One row for each press, in their order; `beyond` as `judgement` has it."""
+    return [_press_judgement(field, offset, outcome, beyond) for outcome in outcomes]
 
 
 def judgement_of(
@@ -278,6 +295,7 @@ def judgement_of(
         "lateral_error": lateral,
         "stuck_error": stuck,
         "slid_error": slid,
+        "slides_beyond_reach": sum(slide["error"] is None for press in presses for slide in press["slides"]),
         "far_field_error": _far_field_error(outcomes, near),
         "presses": list(presses),
     }

@@ -93,12 +93,13 @@ def validate(
         with press_executor(count, progress.say) as executor:
             outcomes = run_jobs(mesh, jobs, store, executor, lambda outcome: progress.advance())
     tolerance = float(authored.scene["accuracy"]["force_tolerance"])
+    beyond = samples.beyond(mesh)
     if radii:
-        judged = family_judgement(field, radii, outcomes, [], tolerance, samples.beyond(mesh))
+        judged = family_judgement(field, radii, outcomes, [], tolerance, beyond)
     elif field.ways:
-        judged = ways_judgement(quasi_static(cook(field)), ways, outcomes, [], tolerance)
+        judged = ways_judgement(quasi_static(cook(field)), ways, outcomes, [], tolerance, beyond)
     else:
-        judged = judgement(quasi_static(cook(field)), field.tool.offset, outcomes, [], tolerance)
+        judged = judgement(quasi_static(cook(field)), field.tool.offset, outcomes, [], tolerance, beyond)
     judged = {
         "tool": field.tool.name,
         "seed": seed,

@@ -26,7 +26,14 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from palpate.author.errors import InputError
-from palpate.author.held_out import APPROACH, held_out_jobs, judgement_of, percentiles, press_judgements
+from palpate.author.held_out import (
+    APPROACH,
+    Beyond,
+    held_out_jobs,
+    judgement_of,
+    percentiles,
+    press_judgements,
+)
 from palpate.author.press_jobs import PressJob, PressOutcome
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
@@ -105,6 +112,7 @@ def ways_judgement(
     outcomes: Sequence[PressOutcome],
     near: Sequence[PressOutcome],
     tolerance: float,
+    beyond: Beyond | None = None,
 ) -> dict[str, Any]:
     """As `held_out.judgement`, each press rendered as its tool was held; and the errors by way under "ways".
 
@@ -113,7 +121,7 @@ def ways_judgement(
     rows: list[dict[str, Any]] = []
     for outcome in outcomes:
         offset = offset_of(outcome.job.tool)
-        (row,) = press_judgements(field, offset, [outcome])
+        (row,) = press_judgements(field, offset, [outcome], beyond)
         turned = _turned(field, offset, outcome) if row["depth"] else None
         rows.append({"tilt": outcome.job.tool.tilt, "turned_force_share": turned, **row})
     whole = judgement_of(rows, outcomes, near, tolerance)

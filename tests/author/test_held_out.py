@@ -85,6 +85,10 @@ def test_a_slide_is_judged_where_finite_elements_came_to_in_both_ways(field, wro
     assert (
         sum(resistance) < 0.0
     )  # friction acts against both ways, the push along the surface with one of them
+    half = judgement(Field.open(cook(field)), 5e-3, [one], [], 0.035, lambda at: (at - c) @ s)
+    there, back = half["presses"][0]["slides"]  # the first ends outside
+    assert there["error"] is None and there["error_beyond"] == pytest.approx(slides[0]["error"])
+    assert half["slid_error"]["max"] == back["error"] and half["slides_beyond_reach"] == 1
 
 
 def test_a_lateral_push_that_is_off_misses_the_tolerance(field):

@@ -26,6 +26,7 @@ from palpate.fields.response_field import (
     ResponseNodes,
     ToolReference,
 )
+from palpate.fields.transient_layout import transient_layer
 
 RADIUS = 5e-3
 DEPTH_MAX = 5e-3
@@ -182,6 +183,15 @@ def small_plane() -> ResponseField:
     )
 
 
+def tapped_plane() -> ResponseField:
+    """The small plane with transients at three velocities, each 2 ms of 500 Hz."""
+    time = np.arange(21) / 1e4
+    velocity = np.array([0.05, 0.10, 0.20])
+    force = np.stack([10.0 * v**1.2 * np.sin(2 * np.pi * 500.0 * time) * np.hanning(21) for v in velocity])
+    force[:, [0, -1]] = 0.0
+    return replace(small_plane(), layers={"transient": transient_layer(1e4, velocity, force)})
+
+
 def three_ways(first: ResponseField | None = None) -> bytes:
     """`first` (the plane when absent), cooked for three tilts: upright; half as stiff and 0.2 mm shorter at cosine 0.8;
     three times as stiff and 0.5 mm shorter at 0.5."""
@@ -198,7 +208,13 @@ def three_ways(first: ResponseField | None = None) -> bytes:
     return cook(first, [(0.8, scaled(0.5, 4.8e-3)), (0.5, scaled(3.0, 4.5e-3))])
 
 
-FIELDS = {"plane": synthetic_field, "sphere": sphere_organ, "slab": thin_slab, "small": small_plane}
+FIELDS = {
+    "plane": synthetic_field,
+    "sphere": sphere_organ,
+    "slab": thin_slab,
+    "small": small_plane,
+    "tapped": tapped_plane,
+}
 
 if __name__ == "__main__":
     folder = Path(sys.argv[1])

@@ -11,7 +11,7 @@ import synthetic_field
 from palpate.fields.cook import cook
 from palpate.fields.rfield_read import read_rfield
 from palpate.fields.transient_layout import HEADER_DTYPE, TransientLayerError, transient_layer
-from palpate.runtime import Field, RuntimeFailure, Session
+from palpate.runtime import Config, Field, RuntimeFailure, Session
 from palpate.runtime.layout import Tick
 
 RATE, DT = 10_000.0, 1e-4
@@ -153,6 +153,42 @@ def test_chatter_begins_no_second_event_and_a_real_second_tap_does():
     assert events(np.r_[down, chatter]) == 1
     again = np.r_[down, down[::-1], down]
     assert events(again) == 2
+
+
+def test_events_overlap_up_to_four_and_a_fifth_is_left_out_and_said(plain):
+    time = np.arange(4001) / RATE
+    force = 0.5 * np.sin(2 * np.pi * 40.0 * time) * np.hanning(4001)
+    force[[0, -1]] = 0.0
+    layer = transient_layer(
+        RATE, [0.2], force[None], attenuation=1.0, force_short=100.0, force_steady=100.0, energy_max=1.0
+    )
+    at = touch_height(plain)
+    down = 4e-3 - 0.2 * DT * np.arange(1, 206)
+    height = np.concatenate([np.full(20, 4e-3), *([down, down[::-1]] * 5), np.full(4200, 4e-3)])
+    way = at + height[:, None] * [0.0, 0.0, 1.0]
+    session, still = Session(opened(layer)), Session(plain)
+    out = session.tick_batch(way, dt=DT)
+    found = (out["force"] - still.tick_batch(way, dt=DT)["force"])[:, 2]
+    begun = np.flatnonzero((height[1:] < 0) & (height[:-1] >= 0)) + 1
+    expected = np.zeros(len(height))
+    for k in begun[:4]:
+        expected[k : k + 4001] += force[: len(height) - k]
+    assert len(begun) == 5 and session.transient_account()[2] == 4
+    assert found == pytest.approx(expected, abs=0.01)  # of 1 N: the turn 20 ms before still counts for 1 %
+    limited = (out["status"] & Tick.TRANSIENT_LIMITED) != 0
+    assert np.flatnonzero(limited).tolist() == [begun[4]]
+
+
+def test_the_torque_is_the_force_at_the_reference_point(plain):
+    field, at = opened(library()), touch_height(plain)
+    arm = np.array([0.02, -0.01, 0.05])
+    height = np.maximum(0.8e-3 - 0.1 * DT * np.arange(300), -0.5e-3)
+    grip = at + height[:, None] * [0.0, 0.0, 1.0] - arm
+    config = Config(reference_point=tuple(arm))
+    with_it, without = (Session(f, config).tick_batch(grip, dt=DT) for f in (field, plain))
+    force, torque = (with_it[name] - without[name] for name in ("force", "torque"))
+    assert abs(force).max() > 0.1
+    assert torque == pytest.approx(np.cross(arm, force), abs=1e-12)
 
 
 def test_a_session_that_starts_inside_plays_nothing():

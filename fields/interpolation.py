@@ -6,6 +6,8 @@
     U(q) = sum_r phi_r(d) a_r(q)
     grad U = sum_r phi_r(d) grad a_r - (sum_r phi_r'(d) a_r) grad phi,     f = -grad U
 
+A texture (texture.py) puts the felt depth s and its gradient in the place of d and -grad phi.
+
 A point is valid where the contact geometry is stored (contact_geometry.py); elsewhere everything is zero.
 """
 
@@ -18,6 +20,7 @@ import numpy as np
 from palpate.fields.lattice_stencil import sample_lattice
 from palpate.fields.response_field import ResponseField
 from palpate.fields.shared_curves import evaluate_curves
+from palpate.fields.texture_layout import read_texture
 
 __all__ = ["Response", "energy_hessian", "evaluate"]
 
@@ -62,11 +65,17 @@ def evaluate(field: ResponseField, points: np.ndarray) -> Response:
     split = np.cumsum([field.energy_curves.curve_count, field.stiffness_curves.curve_count])
     a, b, m = np.split(amplitude.value, split, axis=1)
     grad_a = amplitude.gradient[:, : split[0]]
-    g, dg, _ = evaluate_curves(field.energy_curves, depth)
+    felt, felt_slope = depth, slope
+    if "texture" in field.layers:
+        texture = read_texture(field.layers["texture"])
+        h, dh = texture.height(points)
+        w, dw = texture.fade(depth)
+        felt, felt_slope = depth + w * h, (1.0 + dw * h)[:, None] * slope - w[:, None] * dh
+    g, dg, _ = evaluate_curves(field.energy_curves, felt)
     energy = np.sum(g * a, axis=1)
-    gradient = np.einsum("nr,nri->ni", g, grad_a) - np.sum(dg * a, axis=1)[:, None] * slope
-    stiffness = np.sum(evaluate_curves(field.stiffness_curves, depth)[0] * b, axis=1)
-    friction = np.sum(evaluate_curves(field.friction_curves, depth)[0] * m, axis=1)
+    gradient = np.einsum("nr,nri->ni", g, grad_a) - np.sum(dg * a, axis=1)[:, None] * felt_slope
+    stiffness = np.sum(evaluate_curves(field.stiffness_curves, felt)[0] * b, axis=1)
+    friction = np.sum(evaluate_curves(field.friction_curves, felt)[0] * m, axis=1)
     gradient = np.where(valid[:, None], gradient, 0.0)
     return Response(
         energy=np.where(valid, energy, 0.0),
@@ -82,7 +91,7 @@ def evaluate(field: ResponseField, points: np.ndarray) -> Response:
 
 
 def energy_hessian(field: ResponseField, points: np.ndarray) -> np.ndarray:
-    """Second derivatives of U, (n, 3, 3) N/m, at `points` (n, 3) m; they jump between lattice cells.
+    """Second derivatives of U, (n, 3, 3) N/m, at `points` (n, 3) m; they jump between lattice cells.  No texture.
 
     With g = phi_r(d), D = grad phi, H = Hess phi:
     Hess U = g Hess a - g' (D grad a^T + grad a D^T) + a (g'' D D^T - g' H), summed over r.

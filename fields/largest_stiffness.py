@@ -9,6 +9,13 @@ With g = grad phi, U = sum_r phi_r(d) a_r(q), d = rho - phi(q),
 sigma = max ( |Hess U|_2 + k ) over the centres of all geometry cells in contact up to depth_max, the curves
 taken at the deepest point of the cell.  The force on the hand changes by at most sigma |dp| in a tick of
 sticking contact; the hold gives away at most sigma |dp|^2 / 2 (Colgate and Brown, 1994).
+A texture (texture.py) adds at most, with H, S_1, S_2 the largest |h|, |grad h|, |Hess h|, x = w' H |g| + w S_1,
+F = sum_r phi_r' a_r and everything else taken at a felt depth of d + H,
+
+    phi'' a (2 |g| x + x^2) + F (w' H |Hess phi| + |w''| H |g|^2 + 2 w' |g| S_1 + w S_2) + 2 x |sum_r phi_r' grad a_r|,
+
+the larger of where it is whole (w = 1) and of where it fades (w = 1, w' = 1.5 / fade_depth, w'' = 6 / fade_depth^2).
+
 Limit: a maximum over cell centres times `MARGIN`, not a proven bound between them.
 """
 
@@ -18,6 +25,8 @@ import numpy as np
 
 from palpate.fields.lattice import BLOCK_EDGE, Lattice
 from palpate.fields.response_field import DepthCurves, ResponseField
+from palpate.fields.texture import Texture
+from palpate.fields.texture_layout import read_texture
 
 __all__ = ["largest_stiffness"]
 
@@ -30,6 +39,8 @@ def largest_stiffness(field: ResponseField) -> float:
     """Largest stiffness of energy and friction spring, N/m, up to `field.depth_max`; 0 without contact."""
     lattice = field.geometry.signed_distance
     cells = _whole_cells(lattice)
+    texture = read_texture(field.layers["texture"]) if "texture" in field.layers else None
+    height = 0.0 if texture is None else texture.height_max
     sigma = 0.0
     for start in range(0, len(cells), _CHUNK):
         q = lattice.origin + lattice.spacing * (cells[start : start + _CHUNK] + 0.5)
@@ -43,16 +54,43 @@ def largest_stiffness(field: ResponseField) -> float:
         deep = np.minimum(depth + reach, field.depth_max)
         a, da, dda = _derivatives(field.amplitudes, q)
         r_u, r_k = field.energy_curves.curve_count, field.stiffness_curves.curve_count
-        value, slope, bend = _curves(field.energy_curves, deep)
+        value, slope, bend = _curves(field.energy_curves, deep + height)
         a_u, da_u = a[:, :r_u], da[..., :r_u]
         weight = np.einsum("nr,nr->n", slope, a_u)
         tilt = np.einsum("nr,nir->ni", slope, da_u)
         h = np.einsum("nr,nr,ni,nj->nij", bend, a_u, g, g) - weight[:, None, None] * hess
         h -= g[:, :, None] * tilt[:, None, :] + tilt[:, :, None] * g[:, None, :]
         h += np.einsum("nr,nijr->nij", value, dda[..., :r_u])
-        k = np.einsum("nr,nr->n", _curves(field.stiffness_curves, deep)[0], a[:, r_u : r_u + r_k])
-        sigma = max(sigma, float(np.max(np.linalg.norm(h, 2, axis=(1, 2)) + np.maximum(k, 0))))
+        k = np.einsum("nr,nr->n", _curves(field.stiffness_curves, deep + height)[0], a[:, r_u : r_u + r_k])
+        local = np.linalg.norm(h, 2, axis=(1, 2)) + np.maximum(k, 0)
+        if texture is not None:
+            shapes = np.linalg.norm(g, axis=1), np.linalg.norm(hess, 2, axis=(1, 2))
+            whole = _of_texture(texture, shapes, _forces(field, deep + height, a_u, da_u), fading=False)
+            shallow = np.minimum(deep, texture.fade_depth) + height
+            faded = _of_texture(texture, shapes, _forces(field, shallow, a_u, da_u), fading=True)
+            local += np.where(depth - reach < texture.fade_depth, np.maximum(whole, faded), whole)
+        sigma = max(sigma, float(np.max(local)))
     return MARGIN * sigma
+
+
+def _forces(field: ResponseField, depth: np.ndarray, a: np.ndarray, da: np.ndarray) -> tuple[np.ndarray, ...]:
+    """|phi'' a|, |phi' a| and |phi' grad a| at the depths (n,) for amplitudes (n, R) and their gradients (n, 3, R)."""
+    _, slope, bend = _curves(field.energy_curves, depth)
+    along = np.einsum("nr,nir->ni", slope, da)
+    return np.abs(np.sum(bend * a, axis=1)), np.abs(np.sum(slope * a, axis=1)), np.linalg.norm(along, axis=1)
+
+
+def _of_texture(
+    texture: Texture, shapes: tuple[np.ndarray, ...], forces: tuple[np.ndarray, ...], fading: bool
+) -> np.ndarray:
+    """(n,) N/m; what a texture adds at most where it is whole, or where it fades."""
+    (length, bent), (stiff, force, along) = shapes, forces
+    H, fade = texture.height_max, texture.fade_depth
+    S1, S2 = texture.slopes()
+    dw, ddw = (1.5 / fade, 6.0 / fade**2) if fading else (0.0, 0.0)
+    x = dw * H * length + S1
+    bend = dw * H * bent + ddw * H * length**2 + 2.0 * dw * length * S1 + S2
+    return stiff * (2.0 * length * x + x * x) + force * bend + 2.0 * x * along
 
 
 def _whole_cells(lattice: Lattice) -> np.ndarray:

@@ -17,6 +17,7 @@ from palpate.runtime.library import RuntimeFailure, cmake_folder, include_folder
 from palpate.runtime.organ import Organ
 from palpate.runtime.servo import Servo
 from palpate.runtime.session import Config, Session
+from palpate.runtime.texture import TextureInfo, TextureLimits, texture_info
 
 __all__ = [
     "Adhesion",
@@ -30,11 +31,14 @@ __all__ = [
     "RuntimeFailure",
     "Servo",
     "Session",
+    "TextureInfo",
+    "TextureLimits",
     "Tick",
     "bench",
     "cmake_folder",
     "deformation",
     "deformation_info",
     "include_folder",
+    "texture_info",
     "version",
 ]

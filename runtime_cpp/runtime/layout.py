@@ -18,6 +18,8 @@ __all__ = [
     "RESPONSE",
     "SAMPLE",
     "STATE",
+    "TEXTURE_INFO",
+    "TEXTURE_LIMITS",
     "Adhesion",
     "Input",
     "Region",
@@ -83,8 +85,16 @@ class Tick(IntFlag):
     RULE_YIELDED = 8192
     TRANSIENT = 16384
     TRANSIENT_LIMITED = 32768
+    TEXTURE_LIMITED = 65536
     FELT = (
-        EXTRAPOLATED | SLIPPING | FORCE_LIMITED | LEAK_COVERED | RULE_YIELDED | TRANSIENT | TRANSIENT_LIMITED
+        EXTRAPOLATED
+        | SLIPPING
+        | FORCE_LIMITED
+        | LEAK_COVERED
+        | RULE_YIELDED
+        | TRANSIENT
+        | TRANSIENT_LIMITED
+        | TEXTURE_LIMITED
     )
 
 
@@ -227,5 +237,30 @@ DEFORMATION_RESULT = np.dtype(
         ("depth", "<f8"),  # m
         ("radius", "<f8"),  # m
         ("moved_count", "<u8"),
+    ]
+)
+
+_LIMITS = [
+    ("time_factor", "<f8"),
+    ("space_factor", "<f8"),
+    ("force_factor", "<f8"),
+    ("resolution", "<f8"),  # m
+    ("force_resolution", "<f8"),  # N
+    ("stiffness_max", "<f8"),  # N/m
+    ("structural_frequency", "<f8"),  # Hz
+]
+
+TEXTURE_LIMITS = np.dtype([("size", "<u4"), ("reserved", "<u4"), *_LIMITS])
+
+TEXTURE_INFO = np.dtype(
+    [
+        ("size", "<u4"),
+        ("wave_count", "<u4"),
+        ("bytes", "<u8"),
+        ("height_max", "<f8"),  # m
+        ("fade_depth", "<f8"),  # m
+        ("spatial_frequency_max", "<f8"),  # 1/m
+        ("stiffness", "<f8"),  # N/m
+        *_LIMITS,
     ]
 )

@@ -14,6 +14,7 @@ from palpate.runtime.field import Field
 from palpate.runtime.layout import CONFIG, RESPONSE, STATE, Adhesion, Input, Response
 from palpate.runtime.library import RuntimeFailure, check, library
 from palpate.runtime.organ import Organ
+from palpate.runtime.texture import TextureLimits
 
 __all__ = ["Config", "Session", "as_struct"]
 
@@ -91,6 +92,21 @@ class Session:
         account = np.zeros(3)
         check(library().palpate_session_transient(self._handle, account.ctypes.data))
         return float(account[0]), float(account[1]), int(account[2])
+
+    def set_texture_limits(self, limits: TextureLimits | None) -> None:
+        """Of the device at hand, for the effect texture; None: those in the field.  Raises RuntimeFailure."""
+        raw = None if limits is None else limits.as_struct()
+        check(
+            library().palpate_session_set_texture_limits(
+                self._handle, None if raw is None else raw.ctypes.data
+            )
+        )
+
+    def texture_gain(self) -> np.ndarray:
+        """(16,) how much of each wave of the effect texture is rendered, 0 to 1; 1 where there is no wave."""
+        gain = np.zeros(16)
+        check(library().palpate_session_texture(self._handle, gain.ctypes.data))
+        return gain
 
     def set_field(self, field: Field) -> None:
         """From the next tick on, another field of the same organ; while touching, stored energy does not rise."""

@@ -119,6 +119,31 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_deformation_result, depth),
     PALPATE_ROW(palpate_deformation_result, radius),
     PALPATE_ROW(palpate_deformation_result, moved_count),
+    PALPATE_SIZE(palpate_texture_info),
+    PALPATE_ROW(palpate_texture_info, size),
+    PALPATE_ROW(palpate_texture_info, wave_count),
+    PALPATE_ROW(palpate_texture_info, bytes),
+    PALPATE_ROW(palpate_texture_info, height_max),
+    PALPATE_ROW(palpate_texture_info, fade_depth),
+    PALPATE_ROW(palpate_texture_info, spatial_frequency_max),
+    PALPATE_ROW(palpate_texture_info, stiffness),
+    PALPATE_ROW(palpate_texture_info, time_factor),
+    PALPATE_ROW(palpate_texture_info, space_factor),
+    PALPATE_ROW(palpate_texture_info, force_factor),
+    PALPATE_ROW(palpate_texture_info, resolution),
+    PALPATE_ROW(palpate_texture_info, force_resolution),
+    PALPATE_ROW(palpate_texture_info, stiffness_max),
+    PALPATE_ROW(palpate_texture_info, structural_frequency),
+    PALPATE_SIZE(palpate_texture_limits),
+    PALPATE_ROW(palpate_texture_limits, size),
+    PALPATE_ROW(palpate_texture_limits, reserved),
+    PALPATE_ROW(palpate_texture_limits, time_factor),
+    PALPATE_ROW(palpate_texture_limits, space_factor),
+    PALPATE_ROW(palpate_texture_limits, force_factor),
+    PALPATE_ROW(palpate_texture_limits, resolution),
+    PALPATE_ROW(palpate_texture_limits, force_resolution),
+    PALPATE_ROW(palpate_texture_limits, stiffness_max),
+    PALPATE_ROW(palpate_texture_limits, structural_frequency),
 };
 
 }  // namespace
@@ -167,6 +192,7 @@ const char* palpate_tick_text(uint32_t tick_status) noexcept {
         case PALPATE_TICK_RULE_YIELDED: return "The surface yields: the way of touching changed to one that would hold more energy.";
         case PALPATE_TICK_TRANSIENT: return "A transient plays on top of the response.";
         case PALPATE_TICK_TRANSIENT_LIMITED: return "The transient was limited: by the device, its energy, its library or four at once.";
+        case PALPATE_TICK_TEXTURE_LIMITED: return "A texture is fainter than it should be: the device or the loop cannot render all of it.";
         case PALPATE_TICK_BAD_ARGUMENT: return "A pointer is null or a struct is too small.";
         default: return "This status bit is unknown to this version.";
     }

@@ -101,6 +101,24 @@ PALPATE_APART void limit_force(const palpate_config& config, const tissue& under
     }
 }
 
+// The texture's gains follow the limits of what moves: U does not rise, and what it falls by is dissipated.
+PALPATE_APART void limit_gains(palpate_session& s, const motion& m, const tissue& under, double offset, texture_here& texture,
+                               response& r) noexcept {
+    const texture_state before = s.texture;
+    if (!s.touching || !change_gains(s.texture, *s.field, m.q, m.step, m.dt, false)) return;
+    const texture_here felt = texture;
+    texture_at(*s.field, s.texture.amplitude, m.q, texture);
+    response changed;
+    respond_at(under, offset, changed);
+    if (changed.energy <= r.energy) {
+        s.books.dissipated_rule += r.energy - changed.energy;
+        r = changed;
+    } else {
+        s.texture = before;
+        texture = felt;
+    }
+}
+
 // Settles, limits and tells.  On entry `spring` has been carried and turned, and E = r.energy + held is what the accounts say is stored;
 // its |s|^2 is `length_squared`.
 PALPATE_INLINE void feel(palpate_session& s, const motion& m, const tissue& under, response& r, const friction_spring& spring,
@@ -184,6 +202,7 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     tissue under;
     under.field = s.field;
     under.distance_gradient = at.gradient;
+    under.texture = nullptr;
     friction_spring spring;
     copy(s.spring, spring);
     for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
@@ -200,11 +219,24 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
 
     response r;  // at the new place, as it was touched
     double offset;
+    texture_here texture;
+    const bool textured = !PALPATE_EXPECTED(s.field->texture.group_count == 0);
+    if (textured) {
+        if (!s.touching) change_gains(s.texture, *s.field, m.q, m.step, m.dt, true);
+        texture_at(*s.field, s.texture.amplitude, m.q, texture);
+        under.texture = &texture;
+    }
     if (one_cell) {
         under.depth = at.depth;
         offset = s.offset < at.depth ? s.offset : at.depth;
         if (!m.in_cell) go_to(*s.field, m.q[0], m.q[1], m.q[2], s.under_amplitudes);
-        respond(*s.field, m.q, at.depth - offset, at.gradient, s.under_amplitudes, r, under.amplitudes);
+        if (textured) {
+            const felt_depth felt(texture, at.depth - offset, at.gradient);
+            respond(*s.field, m.q, felt.depth, felt.gradient, s.under_amplitudes, r, under.amplitudes);
+            along_depth(felt, r);
+        } else {
+            respond(*s.field, m.q, at.depth - offset, at.gradient, s.under_amplitudes, r, under.amplitudes);
+        }
     } else {
         offset = touch_as_before(s, m, at, under, r);
     }
@@ -220,6 +252,10 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     }
     hold(s.books, m.work, s.energy + spring_energy(s.spring), r.energy + held);
     if (!one_cell) change_touch(s, m, under, offset, r, status);
+    if (textured && gains_move(s.texture, s.field->texture, dot(m.step, m.step), m.dt)) {
+        limit_gains(s, m, under, offset, texture, r);
+        if (s.texture.limited) status |= PALPATE_TICK_TEXTURE_LIMITED;
+    }
 
     if (s.config.passivity_control != 0) {
         const double excess = s.books.hold_leak - s.books.dissipated_friction - s.books.dissipated_rule;
@@ -247,6 +283,12 @@ bool change_field_in_contact(palpate_session& s, const motion& m, const location
     under.field = s.next_field;
     under.distance_gradient = at.gradient;
     under.depth = at.depth;
+    under.texture = nullptr;
+    texture_here texture;
+    if (s.next_field->texture.group_count > 0) {
+        texture_at(*s.next_field, s.texture.amplitude, m.q, texture);
+        under.texture = &texture;
+    }
     friction_spring spring = s.spring;
     for (int a = 0; a < 3; ++a) under.normal[a] = spring.normal[a];
     const bool has_normal = unit(at.gradient, under.normal);

@@ -18,6 +18,7 @@ struct motion {
     double cosine;   // of axis and normal: the way of touching at q
     // The location's depth is that of the larger rho of the way that was and the way that is; these are what each lacks, m.
     double shift_before, shift;
+    double dt;       // s
     bool in_cell;    // the session's amplitude cell is that of q
 };
 

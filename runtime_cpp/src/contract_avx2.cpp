@@ -3,11 +3,12 @@
 // contract.inl compiled with -mavx2 (and without fused operations); run only where the processor has it.
 #define PALPATE_ISA avx2
 #include "contract.inl"
+#include "layers/texture.inl"
 
 namespace palpate {
 
 const contraction contraction_avx2 = {
     avx2::distance, avx2::go_to, avx2::respond, avx2::gather_amplitudes, avx2::amplitudes,
-    avx2::response_from, avx2::fetch_cells};
+    avx2::response_from, avx2::texture_groups, avx2::fetch_cells};
 
 }  // namespace palpate

@@ -3,12 +3,13 @@
 // contract.inl for every processor of the architecture; and the choice, made once when a field is opened.
 #define PALPATE_ISA baseline
 #include "contract.inl"
+#include "layers/texture.inl"
 
 namespace palpate {
 
 const contraction contraction_baseline = {
     baseline::distance, baseline::go_to, baseline::respond, baseline::gather_amplitudes, baseline::amplitudes,
-    baseline::response_from, baseline::fetch_cells};
+    baseline::response_from, baseline::texture_groups, baseline::fetch_cells};
 
 const contraction& contraction_here() noexcept {
 #if defined(PALPATE_HAS_AVX2)

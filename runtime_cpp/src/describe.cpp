@@ -6,6 +6,7 @@
 #include "locate.h"
 #include "palpate/palpate.h"
 #include "respond.h"
+#include "rule.h"
 #include "ways.h"
 
 extern "C" {
@@ -58,6 +59,8 @@ palpate_status palpate_field_sample_tilted(const palpate_field* field, const dou
     const std::uint32_t stride = samples->size;
     const double way = palpate::clamped_cosine(*field, cosine);
     const double lacking = field->tool_offset - palpate::offset_of_way(*field, way);
+    palpate::texture_state limits{};
+    palpate::begin_texture(limits, *field);
     if (stride % alignof(palpate_sample) != 0) return PALPATE_BAD_ARGUMENT;
     auto* bytes = reinterpret_cast<unsigned char*>(samples);
     for (size_t i = 0; i < count; ++i, q += 3, bytes += stride) {
@@ -85,11 +88,20 @@ palpate_status palpate_field_sample_tilted(const palpate_field* field, const dou
         }
         if (at.region != PALPATE_REGION_CONTACT) continue;
         palpate::response r;
-        palpate::amplitude_sums amplitudes;
+        palpate::tissue under;
+        under.field = field;
+        under.distance_gradient = at.gradient;
+        under.depth = at.depth;
         palpate::amplitudes_here here;
         palpate::amplitudes_at(*field, q, here);
-        palpate::blend(*field, here, way, amplitudes);
-        palpate::respond_again(*field, amplitudes, at.depth, at.gradient, r);
+        palpate::blend(*field, here, way, under.amplitudes);
+        palpate::texture_here texture;
+        under.texture = nullptr;
+        if (field->texture.group_count > 0) {
+            palpate::texture_at(*field, limits.amplitude, q, texture);
+            under.texture = &texture;
+        }
+        palpate::respond_at(under, 0.0, r);
         out.stored_energy = r.energy;
         for (int a = 0; a < 3; ++a) {
             out.force[a] = -r.gradient[a];

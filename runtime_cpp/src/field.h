@@ -11,6 +11,7 @@
 #include "depth_curves.h"
 #include "lattice.h"
 #include "layers/layers.h"
+#include "layers/texture.h"
 #include "rfield_layout.h"
 
 // The public name palpate_field; everything in it is constant after opening.
@@ -37,6 +38,8 @@ struct palpate_field {
     double depth_max;    // m
 
     palpate::layer_bytes layer[palpate::layer_count];  // by rfield_layer
+
+    palpate::texture_ground texture;
 
     palpate::rfield_header header;  // as this version would have written it
     const char* provenance;

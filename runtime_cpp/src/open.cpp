@@ -74,6 +74,7 @@ bool prove(const unsigned char* data, std::size_t size, palpate_field& field, re
                                     {h.stiffness_depth_end, h.stiffness_intervals, h.stiffness_curve_count, stiffness},
                                     {h.friction_depth_end, h.friction_intervals, h.friction_curve_count, friction}};
     if (!open_layers(data, h, field.layer, why)) return false;
+    if (field.layer[layer_texture].begin != nullptr) set_texture(field.texture, field.layer[layer_texture]);
     field.curve_rows = static_cast<double*>(std::malloc(static_cast<std::size_t>(curve_numbers(kinds)) * sizeof(double)));
     if (field.curve_rows == nullptr) return refuse(why, PALPATE_OUT_OF_MEMORY, "There is no memory for the curves.");
     set_curves(field.curves, kinds, field.curve_rows);

@@ -10,6 +10,7 @@
 #include "contract.h"
 #include "field.h"
 #include "respond.h"
+#include "vec.h"
 
 namespace palpate {
 
@@ -20,11 +21,25 @@ struct tissue {
     double depth;                     // m, of the surface that has not yielded; >= 0
     double normal[3];
     amplitude_sums amplitudes;
+    const texture_here* texture;      // null where the field has none
 };
+
+// A response at the felt depth, told along the real one.
+inline void along_depth(const felt_depth& felt, response& found) noexcept {
+    found.stiffness = found.stiffness * (felt.slope * felt.slope) + found.steepness * felt.bend;
+    found.steepness *= felt.slope;
+}
 
 // At the surface that has yielded by `offset` <= depth.
 inline void respond_at(const tissue& under, double offset, response& found) noexcept {
-    respond_again(*under.field, under.amplitudes, under.depth - offset, under.distance_gradient, found);
+    const double depth = under.depth - offset;
+    if (PALPATE_EXPECTED(under.texture == nullptr)) {
+        respond_again(*under.field, under.amplitudes, depth, under.distance_gradient, found);
+        return;
+    }
+    const felt_depth felt(*under.texture, depth, under.distance_gradient);
+    respond_again(*under.field, under.amplitudes, felt.depth, felt.gradient, found);
+    along_depth(felt, found);
 }
 
 // The smallest offset for which `under` holds at most `energy` >= 0 (J), to 1e-12 of it; `found` is the response there.  `guess`: a

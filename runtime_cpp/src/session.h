@@ -9,6 +9,7 @@
 #include "cell.h"
 #include "friction.h"
 #include "guard.h"
+#include "layers/texture.h"
 #include "layers/transient.h"
 #include "organ.h"
 #include "palpate/palpate.h"
@@ -52,6 +53,7 @@ struct palpate_session {
     std::uint32_t ticks_since_look;            // in contact; ahead.h
 
     palpate::transient_state transients;
+    palpate::texture_state texture;
 };
 
 namespace palpate {

@@ -96,6 +96,7 @@ std::uint32_t check_stroke(palpate_session& s, motion& m, const location& at) no
 // The field changes at m.q, where `at` becomes what the new one says; true when contact goes on.
 bool change_field(palpate_session& s, motion& m, location& at, std::uint32_t& status, palpate_tool_response& out) noexcept {
     forget_cells(s);
+    begin_texture(s.texture, *s.next_field);
     locate(*s.next_field, m.q[0], m.q[1], m.q[2], s.under_distance, at);
     tilt(*s.next_field, 1.0, m, at);
     if (at.region == PALPATE_REGION_CONTACT || at.region == PALPATE_REGION_FREE) {  // only the new way counts
@@ -153,6 +154,7 @@ PALPATE_APART std::uint32_t any_tick(palpate_session& s, const palpate_tool_stat
         m.arm[a] = q[a] - state.position[a];
     }
     m.work = -dot(s.force, m.step);
+    m.dt = state.dt;
     const double length_squared = dot(m.step, m.step);
     const double reach = s.config.speed_max * state.dt;
     if (s.config.speed_max > 0.0 && length_squared > reach * reach) status |= PALPATE_TICK_JUMP;
@@ -254,6 +256,7 @@ void begin(palpate_session& s) PALPATE_REAL_TIME {
     let_go(s);
     s.books = accounts{};
     s.transients = transient_state{};
+    begin_texture(s.texture, *s.field);
     s.entry = gate::closed;
     s.has_q = false;
     for (double& x : s.q) x = 0.0;

@@ -34,6 +34,7 @@ double touch_as_before(palpate_session& s, const motion& m, const location& at, 
     tissue before{};
     before.field = &field;
     before.distance_gradient = at.gradient;
+    before.texture = under.texture;
     before.depth = std::fmax(0.0, at.depth - m.shift_before);
     under.depth = std::fmax(0.0, at.depth - m.shift);
     if (s.config.response == PALPATE_RESPONSE_POTENTIAL) {

@@ -26,6 +26,8 @@ from palpate.fields.response_field import (
     ResponseNodes,
     ToolReference,
 )
+from palpate.fields.texture import DeviceLimits, Texture, grating, noise
+from palpate.fields.texture_layout import texture_bytes
 from palpate.fields.transient_layout import transient_layer
 
 RADIUS = 5e-3
@@ -192,6 +194,24 @@ def tapped_plane() -> ResponseField:
     return replace(small_plane(), layers={"transient": transient_layer(1e4, velocity, force)})
 
 
+def patchy_texture() -> Texture:
+    """A grating everywhere, and noise where x is small, by a mask that falls from 1 to 0 over 6 mm of x."""
+
+    def share(q):
+        return np.clip(0.5 - q[..., 0] / 6e-3, 0.0, 1.0)
+
+    masks = spline_lattice(share, np.array([-15e-3] * 3), np.array([15e-3] * 3), 5e-3)
+    masks = replace(masks, coefficients=np.clip(masks.coefficients, 0.0, 1.0).astype(np.float32))
+    rough = replace(noise(6e-6, (300.0, 2500.0), 3, 8), mask=0)
+    limits = DeviceLimits(10.0, 10.0, 10.0, 10e-6, 0.0, 0.0, 400.0)
+    return Texture((grating(15e-6, 500.0, (0.6, 0.8, 0.0)), rough), 0.4e-3, 300.0, limits, masks)
+
+
+def textured_plane() -> ResponseField:
+    """The small plane with that texture."""
+    return replace(small_plane(), layers={"texture": texture_bytes(patchy_texture())})
+
+
 def three_ways(first: ResponseField | None = None) -> bytes:
     """`first` (the plane when absent), cooked for three tilts: upright; half as stiff and 0.2 mm shorter at cosine 0.8;
     three times as stiff and 0.5 mm shorter at 0.5."""
@@ -214,6 +234,7 @@ FIELDS = {
     "slab": thin_slab,
     "small": small_plane,
     "tapped": tapped_plane,
+    "textured": textured_plane,
 }
 
 if __name__ == "__main__":

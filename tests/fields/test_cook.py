@@ -157,7 +157,7 @@ def test_an_organ_without_friction_cooks_without_its_curves():
 
 
 def test_layers_lie_behind_the_sections_and_come_back(field, data):
-    carried = {"deformation": b"four", "texture": bytes(range(70))}
+    carried = {"deformation": b"four", "rigid": bytes(range(70))}
     layered = cook(dataclasses.replace(field, layers=carried))
     assert read_rfield(layered).layers == carried
     assert read_rfield(data).layers == {}

@@ -29,6 +29,8 @@ STRUCTS = {
     "palpate_deformation_info": layout.DEFORMATION_INFO,
     "palpate_deformation_input": layout.DEFORMATION_INPUT,
     "palpate_deformation_result": layout.DEFORMATION_RESULT,
+    "palpate_texture_info": layout.TEXTURE_INFO,
+    "palpate_texture_limits": layout.TEXTURE_LIMITS,
 }
 
 
@@ -63,9 +65,9 @@ def test_enums_are_those_of_the_header():
 def test_every_status_has_one_sentence():
     lib = library()
     texts = [lib.palpate_status_text(i).decode() for i in range(15)]
-    texts += [lib.palpate_tick_text(1 << i).decode() for i in range(17)] + [lib.palpate_tick_text(0).decode()]
+    texts += [lib.palpate_tick_text(1 << i).decode() for i in range(18)] + [lib.palpate_tick_text(0).decode()]
     assert all(t.endswith(".") and t.count(". ") == 0 for t in texts)
-    assert "unknown" in texts[14] and "unknown" in texts[31]
+    assert "unknown" in texts[14] and "unknown" in texts[32]
 
 
 def test_version_is_three_numbers():

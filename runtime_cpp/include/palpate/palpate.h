@@ -322,6 +322,8 @@ typedef struct palpate_tool_state {
 #define PALPATE_TICK_TRANSIENT 16384u   /* a transient plays: force and torque hold it too, and no account of the response does */
 #define PALPATE_TICK_TRANSIENT_LIMITED 32768u /* by the device's limits, its energy, the library's fastest contact or four at once */
 
+#define PALPATE_TICK_TEXTURE_LIMITED 65536u /* some of the texture is faded: the device or the loop cannot render all of it */
+
 typedef struct palpate_tool_response {
     uint32_t size;
     uint32_t status;             /* PALPATE_TICK_ bits */
@@ -411,6 +413,53 @@ typedef struct palpate_deformation_result {
 PALPATE_API palpate_status palpate_deformation(const palpate_field* field, const palpate_deformation_input* input, const float* vertices,
                                                const uint32_t* indices, size_t count, float* displacement,
                                                palpate_deformation_result* result) PALPATE_NOEXCEPT;
+
+/* ---- texture --------------------------------------------------------------------------------------------------- */
+
+/* A small height that enters depth inside U, of fields whose scene names the effect `texture`: conservative, without velocity, still
+ * while the tool is.  What a device cannot render is faded (PALPATE_TICK_TEXTURE_LIMITED), by the six limits of V. Hayward,
+ * Physically-Based Haptic Synthesis (2008), table 1, for a wave of spatial frequency k and force amplitude A at the speed v along it in
+ * a loop of T (the tick's dt).  Waves that only a fast tool cannot have come back as it slows down.  Fading raises no energy: it is
+ * done where it lowers U, into dissipated_rule, and only while the tool moves. */
+typedef struct palpate_texture_limits {
+    uint32_t size;
+    uint32_t reserved;
+    double time_factor;          /* alpha: alpha k v T < 1, alpha k delta < 1; at least 2, better 10.  0 in any field: no limit */
+    double space_factor;         /* beta: beta k delta < 1; at least 2, better 10 */
+    double force_factor;         /* gamma: gamma b < A; at least 10 */
+    double resolution;           /* delta, m; of position */
+    double force_resolution;     /* b, N */
+    double stiffness_max;        /* A_0, N/m: A k < A_0 */
+    double structural_frequency; /* F_0, Hz; the device's first mode: v k < F_0 */
+} palpate_texture_limits;
+
+typedef struct palpate_texture_info {
+    uint32_t size;
+    uint32_t wave_count;
+    uint64_t bytes;
+    double height_max;           /* m; no height is larger */
+    double fade_depth;           /* m; from here on the whole height is felt, fading to nothing at the surface */
+    double spatial_frequency_max; /* 1/m; of the finest wave */
+    double stiffness;            /* N/m; of the response: A = stiffness times a wave's amplitude */
+    double time_factor;          /* of the device that the scene was made for, likewise */
+    double space_factor;
+    double force_factor;
+    double resolution;
+    double force_resolution;
+    double stiffness_max;
+    double structural_frequency;
+} palpate_texture_info;
+
+/* Fills *info; info->size must be set.  PALPATE_LAYER_MISSING for fields without the effect. */
+PALPATE_API palpate_status palpate_texture_describe(const palpate_field* field, palpate_texture_info* info) PALPATE_NOEXCEPT;
+
+/* The limits of the device at hand, for this session and every field that it changes to; null: those in the field.  While touching, what
+ * they change comes as the tool moves. */
+PALPATE_API palpate_status palpate_session_set_texture_limits(palpate_session* session,
+                                                              const palpate_texture_limits* limits) PALPATE_REAL_TIME;
+
+/* How much of each wave is rendered, 0 to 1, in the order of the file; 1 where there is no wave. */
+PALPATE_API palpate_status palpate_session_texture(const palpate_session* session, double gain[16]) PALPATE_REAL_TIME;
 
 #ifdef __cplusplus
 }

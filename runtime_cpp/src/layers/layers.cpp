@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "layers/layers.h"
 
+#include "layers/texture.h"
 #include "layers/transient.h"
 #ifdef PALPATE_LAYER_DEFORMATION
 #include "layers/deformation.h"
@@ -16,7 +17,11 @@ struct known_layer {
 };
 
 constexpr known_layer known_layers[layer_count] = {
+#ifdef PALPATE_HAS_TEXTURE
+    {"texture", prove_texture},
+#else
     {"texture", nullptr},
+#endif
 #ifdef PALPATE_HAS_TRANSIENT
     {"transient", prove_transient},
 #else

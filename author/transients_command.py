@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""The options of `palpate transients plan | fit | library | cook | assess`; the work is in author/transients/."""
+"""The options of `palpate transients`: plan, fit, library, modes, cook, assess; the work is in author/transients/."""
 
 from __future__ import annotations
 
@@ -181,6 +181,43 @@ def library(
         }
         told = f"{result['library']}: {len(runs)} velocities, up to {result['force_max']:.3g} N"
         return Answer(result, [told])
+
+    _end(work, as_json)
+
+
+@transients.command()
+def modes(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="whose organ rings")],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DIR", help="as of `palpate author`, which meshes once")
+    ],
+    mass: Annotated[float, typer.Option("--mass", help="kg, of the tool that arrives")] = 0.05,
+    damping_ratio: Annotated[float, typer.Option("--damping-ratio", help="share of critical damping")] = 0.1,
+    density: Annotated[float, typer.Option("--density", help="kg/m3, of the organ")] = 1060.0,
+    count: Annotated[int, typer.Option("--count", help="slowest modes")] = 8,
+    free: Annotated[bool, typer.Option("--free", help="as if nothing held the organ")] = False,
+    as_json: Json = False,
+) -> None:
+    """Find the modes of a scene's own organ, as lines for its [tool.transient]."""
+
+    def work() -> Answer:
+        from palpate.author.capabilities import require_capabilities
+        from palpate.author.organ_stage import mesh_organ
+        from palpate.author.scene import load_scene
+        from palpate.author.store import Store
+        from palpate.author.transients.organ_modes import organ_modes
+
+        read = load_scene(scene)
+        require_capabilities(read)
+        mesh = mesh_organ(read, Store(out / "work"))
+        found = organ_modes(read, mesh, mass, damping_ratio, density, count, free)
+        lines = [
+            f'    {{ amplitude = "{one.amplitude:.4g} N s/m", frequency = "{one.frequency:.5g} Hz", '
+            f'decay = "{1e3 * one.decay:.4g} ms" }},'
+            for one in found
+        ]
+        told = ['shape = "modal"', "mode = [", *lines, "]"]
+        return Answer({"modes": [vars(one) for one in found]}, ["\n".join(told)])
 
     _end(work, as_json)
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import IntEnum, IntFlag
 from functools import cache
 
@@ -59,6 +59,7 @@ class Status(IntFlag):
     FORCE_LIMITED = 128
     OVERFLOW = 256
     NOT_IN_TABLE = 512
+    ENERGY_LIMITED = 1024
 
 
 _VECTOR = ("<f8", 3)
@@ -66,6 +67,8 @@ CONFIG = np.dtype(
     [
         ("size", "<u4"), ("inertia", "<u4"), ("grip", *_VECTOR), ("speed_max", "<f8"), ("dt_max", "<f8"),
         ("force_max", "<f8"), ("torque_max", "<f8"), ("filter_time", "<f8"),
+        ("coupling_stiffness", "<f8"), ("coupling_damping", "<f8"), ("coupling_torsional_stiffness", "<f8"),
+        ("coupling_torsional_damping", "<f8"), ("acceleration_max", "<f8"),
     ]
 )  # fmt: skip
 STATE = np.dtype(
@@ -100,6 +103,7 @@ def _functions() -> ctypes.CDLL:
         ("palpate_rigid_session_size", size, []),
         ("palpate_rigid_session_init", ctypes.c_int, [pointer, size, pointer, pointer, out]),
         ("palpate_rigid_session_reset", ctypes.c_int, [pointer]),
+        ("palpate_rigid_session_place", ctypes.c_int, [pointer, pointer, pointer]),
         ("palpate_rigid_tick_batch", ctypes.c_uint32, [pointer, pointer, pointer, size]),
         ("palpate_rigid_identify", ctypes.c_int, [pointer, pointer, pointer, size]),
         ("palpate_rigid_tick_text", text, [ctypes.c_uint32]),
@@ -161,6 +165,9 @@ class RigidConfig:
         speed_max: m/s, of any point of the object.  dt_max: s.
         force_max, torque_max: N and N m about the grip; the device's limits; 0: none.
         filter_time: s; of velocities and accelerations.
+        coupling_stiffness, coupling_damping: N/m, N s/m; virtual coupling at the grip; 0: none.
+        coupling_torsional_stiffness, coupling_torsional_damping: N m/rad, N m s/rad; of turns.
+        acceleration_max: m/s2, of a coupled object's hand; what the energy account counts on.
     """
 
     grip: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -170,6 +177,11 @@ class RigidConfig:
     force_max: float = 0.0
     torque_max: float = 0.0
     filter_time: float = 0.005
+    coupling_stiffness: float = 0.0
+    coupling_damping: float = 0.0
+    coupling_torsional_stiffness: float = 0.0
+    coupling_torsional_damping: float = 0.0
+    acceleration_max: float = 300.0
 
 
 class RigidSession:
@@ -185,8 +197,8 @@ class RigidSession:
         self._memory = np.zeros(-(-_functions().palpate_rigid_session_size() // 8), dtype=np.float64)
         raw = np.zeros((), dtype=CONFIG)
         raw["size"] = CONFIG.itemsize
-        for name in ("grip", "inertia", "speed_max", "dt_max", "force_max", "torque_max", "filter_time"):
-            raw[name] = getattr(config, name)
+        for field in fields(config):
+            raw[field.name] = getattr(config, field.name)
         handle = ctypes.c_void_p()
         memory = self._memory
         status = _functions().palpate_rigid_session_init(
@@ -198,6 +210,20 @@ class RigidSession:
     def reset(self) -> None:
         """Back to the state after construction, accounts at zero."""
         check(_functions().palpate_rigid_session_reset(self._handle))
+
+    def place(self) -> tuple[np.ndarray, np.ndarray]:
+        """Where the held object is after the last tick: (3,) m, centre of mass; (4,) x y z w.
+
+        Raises:
+            RuntimeFailure: there has been no tick.
+        """
+        position, orientation = np.zeros(3), np.zeros(4)
+        check(
+            _functions().palpate_rigid_session_place(
+                self._handle, position.ctypes.data, orientation.ctypes.data
+            )
+        )
+        return position, orientation
 
     def tick(
         self, position: ArrayLike, orientation: ArrayLike = (0, 0, 0, 1), dt: float = 1e-3, flags: int = 0

@@ -10,12 +10,20 @@
  *
  * It touches no response field: a scene with both ticks both and adds the wrenches (palpate_rigid_add).
  * Units and axes: SI; the fixed objects' axes are the world's; the held object's origin is its centre of mass.  Wrenches are
- * those ON the hand.  Without virtual coupling: the held object is where the device is.
+ * those ON the hand.  Without a coupling (default) the held object is where the device is.  With one, a spring and damper of six
+ * directions pull it there: it moves by contacts, its weight and its own inertia, and the hand feels the coupling.
  *
  * Accounts: W = - sum of f . dx + m . dtheta is the hand's work.  Over any path
  *     work_in = stored_energy(end) - stored_energy(start) + dissipated_friction + dissipated_damping + inertial + gravity_work + unaccounted,
  * where `unaccounted` is what holding wrenches over ticks, changing formations and limits gave (< 0: created) or took.  Luo and
  * Xiao's law is not the gradient of one energy, so unaccounted is not zero; it is told instead of hidden.
+ * With a coupling, stored_energy has the spring's and the kinetic energy (inertial stays 0, gravity_work is the object's), and over any
+ * path of ticks of one length dt whose hand accelerates by at most acceleration_max (of any point of the object)
+ *     unaccounted >= -1.01 a (k a / 2 + 0.3 m/s b),   a = acceleration_max dt^2 / 0.9
+ * at every tick (k = max(coupling_stiffness, coupling_torsional_stiffness / R^2), b alike, R: the held object's radius about its centre of
+ * mass): whatever the contacts do, no more than this reserve ever comes out that was not put in.  A wrench is therefore sent only as far
+ * as the energy at hand covers it over the next step (PALPATE_RIGID_TICK_ENERGY_LIMITED where that is less than the coupling's).  A hand
+ * that accelerates more and takes out more is let go (PALPATE_RIGID_TICK_JUMP).
  *
  * palpate_rigid_tick and the palpate_rigid_session_* functions do not allocate, lock, throw, wait or print.
  */
@@ -47,6 +55,11 @@ typedef struct palpate_rigid_config {
     double force_max;         /* N; the device's limit; 0: none */
     double torque_max;        /* N m, about the grip; 0: none */
     double filter_time;       /* s; first-order filter of velocities and accelerations (default 0.005); 0: none */
+    double coupling_stiffness;            /* N/m, at the grip; 0 (default): no coupling */
+    double coupling_damping;              /* N s/m */
+    double coupling_torsional_stiffness;  /* N m/rad; above 0 exactly where coupling_stiffness is */
+    double coupling_torsional_damping;    /* N m s/rad */
+    double acceleration_max;              /* m/s2, of a coupled object's hand (default 300); what the energy account counts on */
 } palpate_rigid_config;
 
 PALPATE_API void palpate_rigid_config_default(palpate_rigid_config* config) PALPATE_NOEXCEPT;
@@ -57,6 +70,11 @@ PALPATE_API palpate_status palpate_rigid_session_init(void* memory, size_t size,
                                                       const palpate_rigid_config* config,
                                                       palpate_rigid_session** session) PALPATE_NOEXCEPT;
 PALPATE_API palpate_status palpate_rigid_session_reset(palpate_rigid_session* session) PALPATE_REAL_TIME;
+
+/* Where the held object is after the last tick: centre of mass (m) and orientation (x y z w); without a coupling where the device is.
+ * PALPATE_BAD_ARGUMENT before the first tick. */
+PALPATE_API palpate_status palpate_rigid_session_place(const palpate_rigid_session* session, double position[3],
+                                                       double orientation[4]) PALPATE_REAL_TIME;
 
 /* What kind of region a principal contact has. */
 typedef enum palpate_rigid_region {
@@ -102,6 +120,7 @@ typedef struct palpate_rigid_state {
 #define PALPATE_RIGID_TICK_FORCE_LIMITED 128u
 #define PALPATE_RIGID_TICK_OVERFLOW 256u     /* more contacts than are kept: the ones least deep are left out */
 #define PALPATE_RIGID_TICK_NOT_IN_TABLE 512u /* the formation is not in the table of valid ones; rendered as found */
+#define PALPATE_RIGID_TICK_ENERGY_LIMITED 1024u /* the coupling gave less than its spring: the hand has not put in the energy */
 
 typedef struct palpate_rigid_contact {
     uint32_t held_element;   /* index of the element of the held object */

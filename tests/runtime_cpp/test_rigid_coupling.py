@@ -108,7 +108,7 @@ def test_the_device_may_go_deep_where_the_object_stays_outside():
 def test_a_plucked_object_swings_at_the_root_of_stiffness_over_mass():
     config = replace(COUPLED, coupling_damping=0.0, coupling_torsional_damping=0.0)
     s, dt = held(sphere(0.02), law=NO_WEIGHT, config=config), 2e-5
-    start = np.zeros((200, 3)) + [0, 0, 0.5]
+    start = np.tile([0, 0, 0.5], (200, 1))
     start[100:, 0] = np.linspace(0, 2e-3, 100)
     out = s.tick_batch(np.concatenate([start, np.tile(start[-1], (40_000, 1))]), UPRIGHT, dt)["force"][
         200:, 0

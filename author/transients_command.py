@@ -275,7 +275,7 @@ def assess(
 
     def work() -> Answer:
         from palpate.author.transients.assessment import assess as assessed
-        from palpate.author.transients.pictures import accelerations_picture, tap_sound
+        from palpate.author.transients.pictures import accelerations_picture, spectra_picture, tap_sound
 
         result = assessed(
             attenuated=attenuated, progress=lambda line: print(line, file=sys.stderr, flush=True)
@@ -283,6 +283,7 @@ def assess(
         if out is not None:
             out.mkdir(parents=True, exist_ok=True)
             accelerations_picture(result, out / "accelerations.png")
+            spectra_picture(result, out / "spectra.png")
             for name, curve in result["curves"].items():
                 tap_sound(curve, result["rate"], out / f"{name}.wav")
         shown = {key: value for key, value in result.items() if key != "curves"}

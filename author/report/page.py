@@ -49,6 +49,7 @@ def page(report: dict[str, Any], figures: list[dict[str, Any]], folder: Path | N
         script=Markup((_HERE / "view.js").read_text(encoding="utf-8")),
         plotly=Markup(get_plotlyjs()),
         images=_images(report, folder),
+        sounds=_sounds(report, folder),
         figures=[{name: _script_json(figure) for name, figure in one.items()} for one in figures],
     )
 
@@ -70,6 +71,16 @@ def _images(report: dict[str, Any], folder: Path | None) -> dict[str, Markup]:
         code = base64.b64encode(packed.getvalue()).decode()
         out[picture["file"]] = Markup(f"data:image/webp;base64,{code}")
     return out
+
+
+def _sounds(report: dict[str, Any], folder: Path | None) -> dict[str, Markup]:
+    """File name -> data address, of the sounds that the page plays."""
+    names = [(tool.get("transient") or {}).get("sound") for tool in report["tools"]] if folder else []
+    return {
+        name: Markup(f"data:audio/wav;base64,{base64.b64encode((folder / name).read_bytes()).decode()}")
+        for name in names
+        if name and folder
+    }
 
 
 class Numbers:

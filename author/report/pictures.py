@@ -26,6 +26,7 @@ from palpate.author.report.organ_figure import error_top, varies
 from palpate.author.report.palette import ERRORS, MARK, NODES, ORGAN, REACH, VALUES
 from palpate.author.report.projection import Mesh, View
 from palpate.author.report.render import RenderFailure, render
+from palpate.author.report.transient_part import draw_transient
 from palpate.author.report.viewpoint import viewpoints
 
 __all__ = ["pictures"]
@@ -48,7 +49,7 @@ def pictures(
     """
     made: list[dict[str, str]] = []
     notes: list[str] = []
-    for old in folder.glob("*.png"):
+    for old in [*folder.glob("*.png"), *folder.glob("*.wav")]:
         old.unlink()
     for index, (reach, tool) in enumerate(zip(reaches, report["tools"], strict=True)):
         suffix = "" if index == 0 else f"_{tool['name']}"
@@ -79,6 +80,8 @@ def pictures(
                 tool["device"]["picture"] = path.name
                 what = f"{device_caption(tool['name'], sources.device)}: where it would hum"
                 made.append({"file": path.name, "tool": tool["name"], "caption": what})
+        if tool["transient"]:
+            made += draw_transient(folder, sources.fields[index], tool["transient"], suffix)
         if tool["worst"]:
             path = folder / f"worst_curves{suffix}.png"
             curve_picture(path, tool, report["just_noticeable_difference"])

@@ -12,9 +12,20 @@ from scipy.io import wavfile
 from scipy.signal import resample_poly
 
 from palpate.author.transients.identification import DeviceModel, Empirical
+from palpate.author.transients.inversion import spectrum
 from palpate.author.transients.library import Library
 
-__all__ = ["accelerations_picture", "bode_picture", "library_picture", "tap_sound"]
+__all__ = [
+    "accelerations_picture",
+    "bode_picture",
+    "library_picture",
+    "spectra_picture",
+    "tap_sound",
+    "transient_picture",
+]
+
+SHOWN = 6
+"""Lines of a picture at most."""
 
 
 def bode_picture(measured: Empirical, model: DeviceModel, path: Path) -> None:
@@ -45,6 +56,46 @@ def library_picture(library: Library, path: Path) -> None:
     axis.set_xlabel("time [ms]")
     axis.set_ylabel("force out of the surface [N]")
     axis.legend(fontsize="small")
+    figure.savefig(path, dpi=120)
+
+
+def transient_picture(rate: float, velocity: np.ndarray, force: np.ndarray, path: Path) -> None:
+    """`force` (k, n) N by `velocity` (k,) m/s: over time, and the magnitude of its spectrum to 1 kHz."""
+    figure, (over_time, over_frequency) = _figure(2, (7.0, 6.0))
+    time = 1e3 * np.arange(force.shape[1]) / rate
+    shown = np.unique(np.linspace(0, len(velocity) - 1, min(len(velocity), SHOWN)).round().astype(int))
+    count = max(2048, force.shape[1])
+    frequency = np.fft.rfftfreq(count, 1.0 / rate)
+    kept = frequency <= 1000.0
+    for k, i in enumerate(shown):
+        colour, name = _shade(k, len(shown)), f"{velocity[i]:.3g} m/s"
+        over_time.plot(time, force[i], color=colour, label=name, linewidth=1.1)
+        over_frequency.plot(
+            frequency[kept], abs(np.fft.rfft(force[i], count))[kept] / rate, color=colour, linewidth=1.1
+        )
+    over_time.set_xlabel("time after contact [ms]")
+    over_time.set_ylabel("force out of the surface [N]")
+    over_time.legend(fontsize="small")
+    over_frequency.set_xlabel("frequency [Hz]")
+    over_frequency.set_ylabel("force spectrum [N s]")
+    over_frequency.set_ylim(bottom=0.0)
+    figure.savefig(path, dpi=120)
+
+
+def spectra_picture(result: dict[str, Any], path: Path) -> None:
+    """What `assess` found, as magnitudes of the acceleration's spectrum from 20 to 400 Hz against the target's."""
+    figure, axes = _figure(2, (7.0, 7.0), sharex=True)
+    target = spectrum(result["curves"][result["target"]], result["rate"])
+    for axis, kind in zip(axes, ("firm", "soft"), strict=True):
+        axis.plot(*target, color="0.2", linewidth=2.2, label=result["target"])
+        names = [row["sample"] for row in result["rows"] if row["sample"].startswith(kind)]
+        for i, name in enumerate(names):
+            axis.plot(
+                *spectrum(result["curves"][name], result["rate"]), color=f"C{i}", linewidth=1.1, label=name
+            )
+        axis.set_ylabel("acceleration spectrum [m/s² s]")
+        axis.legend(fontsize="small")
+    axes[-1].set_xlabel("frequency [Hz]")
     figure.savefig(path, dpi=120)
 
 

@@ -35,6 +35,8 @@ COUNT = 16
 """Velocities of a shock; at ratios of 1.24 the combination of two is within a percent of the shock between."""
 FORCE_SHORT = 8.5
 """N, of a PHANTOM Premium 1.5 (device_profiles.py), where nobody says what the device gives."""
+ENDING = 0.1
+"""Share of an oscillation's duration over which it fades, so that its end does not click."""
 STEADY_SHARE = 1.0 / 6.0
 """Of force_short that motors bear for ever, where nobody says: a PHANTOM's 1.4 N of 8.5 N."""
 
@@ -117,7 +119,7 @@ def library_for(scene: Scene, key: str, transient: Transient) -> tuple[Library, 
         if transient.shape == "pulse":
             return pulse(time, velocity, transient.amplitude or 0.0, duration)
         if transient.shape == "decaying_sinusoid":
-            return decaying_sinusoid(
+            return _ending(time, duration) * decaying_sinusoid(
                 time,
                 velocity,
                 transient.amplitude or 0.0,
@@ -126,9 +128,15 @@ def library_for(scene: Scene, key: str, transient: Transient) -> tuple[Library, 
                 transient.decay,
             )
         modes = [(mode.amplitude, mode.frequency, mode.decay) for mode in transient.mode or ()]
-        return modal_sum(time, velocity, modes, duration)
+        return _ending(time, duration) * modal_sum(time, velocity, modes, duration)
 
     return library_of_shape(shape, duration, v, rate), 0.0
+
+
+def _ending(time: np.ndarray, duration: float) -> np.ndarray:
+    """(n,) 1, and a raised cosine down to 0 over the last ENDING of the duration."""
+    share = np.clip((duration - time) / (ENDING * duration), 0.0, 1.0)
+    return 0.5 - 0.5 * np.cos(np.pi * share)
 
 
 def _shocks(transient: Transient, velocity: np.ndarray, rate: float) -> Library:

@@ -59,7 +59,10 @@ def test_a_sinusoid_is_stored_as_the_paper_writes_it(asked: Callable[..., Scene]
     assert layer.velocity == pytest.approx([0.02, 0.5])
     time = np.arange(551) / 1e4
     expected = decaying_sinusoid(time, 0.5, 15.9, 66.0, 0.055)
-    assert layer.force[1, 1:-1] == pytest.approx(expected[1:-1], rel=1e-6, abs=1e-9)
+    assert layer.force[1, :490] == pytest.approx(expected[:490], rel=1e-6, abs=1e-9)
+    assert (
+        abs(np.diff(layer.force[1])).max() < 1.01 * abs(np.diff(expected[:490])).max()
+    )  # the end does not click
     assert layer.numbers["attenuation"] == 1.0 and layer.numbers["force_short"] == 8.5
 
 
@@ -75,7 +78,7 @@ def test_pulse_modes_and_shock_are_their_own_formulas(asked: Callable[..., Scene
     both = decaying_sinusoid(time, 0.5, 2.0, 100, 0.02, 5e-3) + decaying_sinusoid(
         time, 0.5, 1.0, 310, 0.02, 2e-3
     )
-    assert stored(asked(table)).force[1, 1:-1] == pytest.approx(both[1:-1], rel=1e-6, abs=1e-7)
+    assert stored(asked(table)).force[1, :180] == pytest.approx(both[:180], rel=1e-6, abs=1e-7)
     table = '[tool.transient]\nshape = "hunt_crossley"\nmass = "50 g"\nstiffness = 2e4\ndamping = 2e4\n'
     layer = stored(asked(table))
     assert len(layer.velocity) == 16 and layer.velocity[[0, -1]] == pytest.approx([0.02, 0.5])

@@ -42,7 +42,7 @@ GEOMETRY = 38e3, 1.36e7
 """Bytes, (a, b) in a + b A over A m2: index, contact geometry, curves, provenance."""
 STRIDE = 15e3, 9.1e6
 """Bytes of four amplitude channels, likewise."""
-TICK = {"response": 120.0, "friction": 20.0, "transient": 15.0}
+TICK = {"response": 120.0, "friction": 20.0, "transient": 25.0}
 """ns."""
 MOVES = 0.25
 """Share of a held-out full press that its two sticking moves take; an upper estimate, two of twelve equilibria, each

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""The options of `palpate transients`: plan, fit, library, modes, cook, assess; the work is in author/transients/."""
+"""The options of `palpate transients`: plan, fit, library, samples, modes, cook, assess; the work is in transients/."""
 
 from __future__ import annotations
 
@@ -181,6 +181,19 @@ def library(
         }
         told = f"{result['library']}: {len(runs)} velocities, up to {result['force_max']:.3g} N"
         return Answer(result, [told])
+
+    _end(work, as_json)
+
+
+@transients.command()
+def samples(out: Out, as_json: Json = False) -> None:
+    """Write the eleven samples of the study as scenes, with the libraries that they play."""
+
+    def work() -> Answer:
+        from palpate.author.transients.sample_scenes import write_sample_scenes
+
+        paths = [str(path) for path in write_sample_scenes(out)]
+        return Answer({"scenes": paths}, ["\n".join(paths)])
 
     _end(work, as_json)
 

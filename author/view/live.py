@@ -22,6 +22,7 @@ import numpy as np
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.scene_problems import did_you_mean
 from palpate.author.view.curve import curve_at
+from palpate.author.view.dimple import Dimple
 from palpate.author.view.panel import Panel
 from palpate.author.view.probe import CLEARANCE, Probe
 from palpate.author.view.readings import MISSED_ALLOWED, Readings, missed_share
@@ -35,8 +36,8 @@ RATE = 1000.0
 """Hz, of the servo thread."""
 FRAMES = 30.0
 """Hz, of this loop."""
-TOLD, DRAWN = 6, 15
-"""Frames between two texts, and between two curves: they cost the browser more than the scene does."""
+DIMPLED, TOLD, DRAWN = 3, 6, 15
+"""Frames between two surfaces, two texts, and two curves: they cost the browser more than the scene does."""
 PRESS = 0.03
 """m of depth that a shift-drag over the whole height of the page presses."""
 
@@ -100,6 +101,7 @@ class _Page:
         self._scene_shown: tuple[Any, ...] = ()
         self._curve_drawn: tuple[Any, ...] = ()
         self._probe = Probe(first, start_place(first))
+        self._dimple = Dimple(first)
         self._scenery = Scenery(server, first, self._dragged, self._gizmo_moved)
         self._panel = Panel(
             server,
@@ -153,7 +155,7 @@ class _Page:
         if not self._server.get_clients():
             return
         response = state["response"]
-        now = Readings(state, slipping, "drawn at rest: this view shows no dimple")
+        now = Readings(state, slipping, self._dimple.words)
         scene = (*state["position"], *state["orientation"], *response["force"], now.contact and slipping)
         if scene != self._scene_shown:
             self._scene_shown = scene
@@ -162,6 +164,10 @@ class _Page:
                 self._scenery.show_force(state["position"], response["force"])
                 if self._probe.free is None:
                     self._scenery.move_gizmo(state["position"])
+        if frame % DIMPLED == 0 and self._dimple.there:
+            moved = self._dimple.to_draw(response, now.contact)
+            if moved is not None:
+                self._scenery.show_dimple(moved)
         if frame % TOLD == 0:
             self._panel.show(self._tool.name, now, self._moves)
             if self._probe.free is not None:
@@ -225,6 +231,7 @@ class _Page:
         """The other tool comes from outside, its accounts at zero."""
         self._tool = tool = self._tools[name]
         self._scenery.change(tool)
+        self._dimple = Dimple(tool)
         self._panel.change(tool)
         self._probe.change(tool)
         servo.set_field(tool.runtime)

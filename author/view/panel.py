@@ -14,7 +14,7 @@ from palpate.author.view.curve import curve_figure
 from palpate.author.view.probe import CLEARANCE
 from palpate.author.view.readings import Readings, legend, table
 from palpate.author.view.scenery import Scenery
-from palpate.author.view.viewed import MAPS, ViewedTool
+from palpate.author.view.viewed import HELD_OUT_ERROR, MAPS, ViewedTool
 
 __all__ = ["Panel"]
 
@@ -101,7 +101,11 @@ class Panel:
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
         self._scenery.paint(values, low, high)
         name, unit = MAPS[key]
-        self._legend.content = legend(name, unit, low, high, VALUES, float(self._tool.reach.depths[level]))
+        depth: float | None = float(self._tool.reach.depths[level])
+        if key == HELD_OUT_ERROR:
+            depth = None
+            name += "" if self._tool.held_out else ": none was pressed"
+        self._legend.content = legend(name, unit, low, high, VALUES, depth)
         self._scenery.show_marks(bool(self._nodes.value), bool(self._held_out.value))
 
     def show_depth(self, depth: float) -> None:

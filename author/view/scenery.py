@@ -110,19 +110,27 @@ class Scenery:
 
     def paint(self, values: np.ndarray, low: float, high: float) -> None:
         """Colours of the reach's vertices; values (V,)."""
+        self._colours = colours(values, low, high, VALUES)
+        self._reach = self._scene.add_glb("/reach", self._reach_glb(None), cast_shadow=False)
+        self._make_draggable(self._reach)
+
+    def show_dimple(self, moved: np.ndarray) -> None:
+        """moved: (V, 3) m; displacement of the reach's vertices."""
+        self._reach.glb_data = self._reach_glb(moved if moved.any() else None)
+
+    def _reach_glb(self, moved: np.ndarray | None) -> bytes:
+        """The reach in its colours, at rest when `moved` is None."""
         reach = self._tool_data.reach
         mesh = trimesh.Trimesh(
-            self._units(reach.vertices),
+            self._units(reach.vertices if moved is None else reach.vertices + moved),
             reach.triangles,
-            vertex_normals=reach.normals,
-            vertex_colors=colours(values, low, high, VALUES),
+            vertex_normals=reach.normals if moved is None else None,
+            vertex_colors=self._colours,
             process=False,
         )
-        glb = trimesh.exchange.gltf.export_glb(
+        return trimesh.exchange.gltf.export_glb(
             trimesh.Scene(mesh), include_normals=True, tree_postprocessor=_matt
         )
-        self._reach = self._scene.add_glb("/reach", glb, cast_shadow=False)
-        self._make_draggable(self._reach)
 
     def show_marks(self, nodes: bool, held_out: bool) -> None:
         for handle, shown in ((self._nodes, nodes), (self._held_out, held_out)):

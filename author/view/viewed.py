@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.report.held_out_rows import held_out_rows
@@ -23,9 +24,14 @@ from palpate.fields.organ_geometry import OrganGeometry
 from palpate.fields.response_field import ResponseField, ToolReference
 from palpate.runtime import Field
 
-__all__ = ["MAPS", "ViewedOrgan", "ViewedTool", "viewed"]
+__all__ = ["HELD_OUT_ERROR", "MAPS", "ViewedOrgan", "ViewedTool", "viewed"]
 
-MAPS = {**QUANTITIES, "friction": ("Friction coefficient", "")}
+HELD_OUT_ERROR = "held_out_error"
+MAPS = {
+    **QUANTITIES,
+    "friction": ("Friction coefficient", ""),
+    HELD_OUT_ERROR: ("Largest error of the nearest held-out press", "%"),
+}
 """Name and unit of each map over the reach."""
 
 
@@ -56,8 +62,18 @@ class ViewedTool:
         """(V,) of the map `key` of MAPS at reach.depths[level], at the vertices of `reach`."""
         if key in self.reach.values:
             return self.reach.values[key][level]
+        if key == HELD_OUT_ERROR:
+            return self._error_of_nearest_press()
         q = self.reach.feet + (self.offset() - self.reach.depths[level]) * self.reach.normals
         return self.runtime.sample(q)["friction_coefficient"]
+
+    def _error_of_nearest_press(self) -> np.ndarray:
+        """(V,) %, of the normal force at any depth; nothing where nothing was judged."""
+        judged = [row for row in self.held_out if row["force_error_max"] is not None]
+        if not judged:
+            return np.zeros(len(self.reach.feet))
+        nearest = cKDTree([row["contact_point"] for row in judged]).query(self.reach.feet)[1]
+        return 100.0 * np.array([row["force_error_max"] for row in judged])[nearest]
 
     def offset(self, cosine: float = 1.0) -> float:
         """rho, m, held so that the tool's axis has this cosine with the normal; between ways as the runtime blends."""

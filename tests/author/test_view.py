@@ -7,6 +7,7 @@ import re
 import shutil
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,11 @@ from viewed_organ import ORGAN, STIFFER, TOOLS, write_two_tools
 from palpate.author.command_line import main
 from palpate.author.errors import InputError
 from palpate.author.view.curve import curve_at
+from palpate.author.view.dimple import Dimple
 from palpate.author.view.place import Place, Surface, held, on_field
 from palpate.author.view.probe import CLEARANCE, Probe
 from palpate.author.view.readings import Readings, missed_share, table
-from palpate.author.view.viewed import MAPS, viewed
+from palpate.author.view.viewed import HELD_OUT_ERROR, MAPS, viewed
 from palpate.runtime import Servo, Tick
 
 FRAME = 1 / 60
@@ -83,12 +85,22 @@ def test_a_tool_that_was_not_cooked_or_is_another_one_is_named_with_the_command(
 
 
 def test_maps_are_those_of_the_field(ball):
-    assert set(MAPS) == {*ball.reach.values, "friction"}
+    assert set(MAPS) == {*ball.reach.values, "friction", HELD_OUT_ERROR}
     inside = np.linalg.norm(ball.reach.vertices[:, :2], axis=1) < 15e-3
     assert ball.map_values("friction", 4)[inside] == pytest.approx(ORGAN.friction, rel=0.02)
     q = ball.reach.feet + (ball.offset() - ball.reach.depths[4]) * ball.reach.normals
     rendered = ball.runtime.sample(q)["normal_force"]
     assert ball.map_values("normal_force", 4) == pytest.approx(rendered, rel=1e-3, abs=1e-4)
+
+
+def test_the_map_of_errors_is_that_of_the_nearest_held_out_press(ball):
+    assert not ball.map_values(HELD_OUT_ERROR, 0).any()
+    rows = [
+        {"contact_point": [x, 0.0, ORGAN.semi_axes[2]], "force_error_max": error}
+        for x, error in ((-9e-3, 0.01), (9e-3, 0.03), (0.0, None))
+    ]
+    shown = replace(ball, held_out=rows).map_values(HELD_OUT_ERROR, 4)
+    assert shown == pytest.approx(np.where(ball.reach.feet[:, 0] < 0.0, 1.0, 3.0))
 
 
 def test_a_ray_meets_the_surface_that_faces_it_and_the_field_corrects_the_facet(ball):
@@ -157,6 +169,32 @@ def test_a_contact_that_was_lost_is_lifted_and_entered_anew(ball):
         servo.move(probe.position, probe.orientation)
         again = led(probe, servo, lambda s: s["response"]["normal_force"] > 0 and at(2e-3)(s))
     assert min(s["response"]["depth"] for s in again) < 0
+
+
+def test_the_drawn_surface_gives_way_to_the_ball_and_comes_back(ball):
+    dimple = Dimple(ball)
+    probe = Probe(ball, on_field(ball, place_at(4e-3, 2e-3)))
+    probe.press(3e-3)
+    with Servo(ball.runtime, probe.position, probe.orientation, 1000.0) as servo:
+        states = led(probe, servo, lambda s: s["response"]["depth"] > 2.9e-3)
+    assert dimple.there and not dimple.moved(states[0]["response"], False).any()
+    response = states[-1]["response"]
+    moved = dimple.to_draw(response, True)
+    assert dimple.to_draw(response, True) is None  # drawn already
+    vertices, radius = ball.reach.vertices, ball.offset()
+    away = np.linalg.norm(vertices - response["reference_point"], axis=1)
+    inside = away < radius
+    assert inside.sum() > 3  # of the surface at rest
+    now = np.linalg.norm(vertices + moved - response["reference_point"], axis=1)
+    assert now.min() > radius - 0.1e-3
+    inwards = -np.einsum("vi,i->v", moved, response["normal"])
+    assert inwards[inside].min() > 0.0 and inwards.max() < 1.6 * response["depth"]
+    assert dimple.to_draw(response, False) is not None  # back at rest
+
+
+def test_a_field_that_does_not_say_how_its_surface_moves_is_drawn_at_rest_and_says_so(organ):
+    dimple = Dimple(organ.tools[TOOLS[1]])
+    assert not dimple.there and "deformation" in dimple.words and "at rest" in dimple.words
 
 
 def test_the_gizmo_leads_the_tool_itself_and_a_place_takes_it_back(ball):

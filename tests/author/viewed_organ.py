@@ -9,9 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from known_deformation import known_deformation
 from known_organ import KnownOrgan, field_of
 
 from palpate.fields.cook import write_rfield
+from palpate.fields.deformation_layout import deformation_bytes
 from palpate.fields.organ_geometry import OrganGeometry, Support
 from palpate.fields.usd_write import add_tool, write_asset
 
@@ -22,8 +24,9 @@ STIFFER = 2.0
 
 
 def write_two_tools(folder: Path) -> Path:
-    """Writes the asset with its cooked fields into `folder`."""
+    """Writes the asset with its cooked fields into `folder`; the first tool's says how the surface moves."""
     field = field_of(ORGAN, 14)
+    field = replace(field, layers={"deformation": deformation_bytes(known_deformation())})
     write_asset(folder, _geometry(), field)
     curves = replace(field.energy_curves, coefficients=STIFFER * field.energy_curves.coefficients)
     nodes = replace(
@@ -33,7 +36,11 @@ def write_two_tools(folder: Path) -> Path:
         lateral_gradient=STIFFER * field.nodes.lateral_gradient,
     )
     other = replace(
-        field, tool=replace(field.tool, name=TOOLS[1], hash="cd" * 32), energy_curves=curves, nodes=nodes
+        field,
+        tool=replace(field.tool, name=TOOLS[1], hash="cd" * 32),
+        energy_curves=curves,
+        nodes=nodes,
+        layers={},
     )
     add_tool(folder, other)
     for one in (field, other):

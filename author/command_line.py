@@ -279,7 +279,7 @@ def validate(
             result = validated(asset, points, seed, tool or None, progress, ball, drag, asked)
         shown = "\n".join(
             f"{key}: {percentiles(result[key])}"
-            for key in ("force_error", "lateral_error", "stuck_error", "slid_error")
+            for key in ("force_error", "lateral_error", "stuck_error", "slid_error", "friction_press_error")
             if result[key]
         )
         return Answer(result, [shown], 0 if result["met"] else 1)

@@ -11,6 +11,10 @@ the sticking press went.  Errors are relative to the FEM normal force at that de
     stuck error    |f_t(tick) - f_t(FEM)| / f_n(FEM)         after a sticking move
     slid error     |f(tick) - f(FEM)| / f_n(FEM)             after sliding until friction is steady, as far as FEM went
 
+and, no tolerance asked of it because the field is made of frictionless presses,
+
+    friction press error   |f(tick) - f(FEM)| / f_n(FEM)     pressed straight in with friction, before it slides
+
 judged where f_n(FEM) exceeds FLOOR of its value at the deepest state.
 """
 
@@ -208,8 +212,9 @@ def _slide(
     here = c + (offset - path["depth"]) * n
     there = here + path["way"][-1] * np.array(path["direction"])
     fem = np.array(path["force_vector"][-1])
-    rendered = _render(field, None, [start, here, there], held).force[-1]
+    pressed, rendered = _render(field, None, [start, here, there], held).force
     error = float(np.linalg.norm(rendered - fem) / (fem @ n))
+    fem_pressed = np.array(path["force_vector"][0])
     outside = beyond is not None and float(beyond(there[None])[0]) > 0.0
     return {
         "depth": path["depth"],
@@ -219,6 +224,7 @@ def _slide(
         "steady": path["steady"],
         "error": None if outside else error,
         "error_beyond": error if outside else None,
+        "pressed_error": float(np.linalg.norm(pressed - fem_pressed) / (fem_pressed @ n)),
     }
 
 
@@ -295,6 +301,9 @@ def judgement_of(
         "lateral_error": lateral,
         "stuck_error": stuck,
         "slid_error": slid,
+        "friction_press_error": percentiles(
+            [s["pressed_error"] for press in presses for s in press["slides"]]
+        ),
         "slides_beyond_reach": sum(slide["error"] is None for press in presses for slide in press["slides"]),
         "far_field_error": _far_field_error(outcomes, near),
         "presses": list(presses),

@@ -65,14 +65,15 @@ def test_a_slide_is_judged_where_finite_elements_came_to_in_both_ways(field, wro
         session = Session(Field.open(cook(field)), Config(friction_coefficient=0.1))
         ends = [c + (6e-3) * n, c + (5e-3 - depth) * n, c + (5e-3 - depth) * n + way * direction]
         legs = [a + np.linspace(0.0, 1.0, 400)[:, None] * (b - a) for a, b in pairwise(ends)]
-        force = session.tick_batch(np.concatenate(legs))["force"][-1]
+        forces = session.tick_batch(np.concatenate(legs))["force"]
+        force, pressed = forces[-1], 1.25 * forces[399]
         true = force * (1.0 + wrong)
         paths.append(
             {
                 "depth": depth,
                 "direction": direction.tolist(),
                 "way": [0.0, way],
-                "force_vector": [[0.0] * 3, true.tolist()],
+                "force_vector": [pressed.tolist(), true.tolist()],
                 "steady": True,
             }
         )
@@ -85,6 +86,7 @@ def test_a_slide_is_judged_where_finite_elements_came_to_in_both_ways(field, wro
     assert (
         sum(resistance) < 0.0
     )  # friction acts against both ways, the push along the surface with one of them
+    assert judged["friction_press_error"]["max"] == pytest.approx(0.2, abs=0.02)
     half = judgement(Field.open(cook(field)), 5e-3, [one], [], 0.035, lambda at: (at - c) @ s)
     there, back = half["presses"][0]["slides"]  # the first ends outside
     assert there["error"] is None and there["error_beyond"] == pytest.approx(slides[0]["error"])

@@ -94,6 +94,10 @@ def certify_lines(result: dict[str, Any]) -> str:
             f"simulated, damping {row['damping_over_bound']:.2f} of the bound at {row['stiffness']:.3g} N/m: {ends} "
             f"({1e3 * row['speed_early']:.3g} mm/s, later {1e3 * row['speed_late']:.3g} mm/s)"
         )
+    if "texture" in result:
+        from palpate.author.texture.certify_texture import texture_lines
+
+        lines += texture_lines(result["texture"])
     return "\n".join([*lines, result["sentence"]])
 
 

@@ -20,7 +20,7 @@ from palpate.author.scene_tables import Material, Organ, Tool
 __all__ = ["CAPABILITIES", "require_capabilities"]
 
 CAPABILITIES: dict[str, Any] = {
-    "effects": ("response", "friction", "transient", "deformation"),
+    "effects": ("response", "friction", "texture", "transient", "deformation"),
     "material models": ("linear", "neo_hookean", "mooney_rivlin", "ogden", "yeoh", "veronda_westmann"),
     "smallest Poisson's ratio": 0.0,
     "largest Poisson's ratio": 0.4999,

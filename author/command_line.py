@@ -387,6 +387,24 @@ def certify(
     picture: Annotated[
         Path | None, typer.Option("--map", metavar="FILE.png", help="where on the organ it hums")
     ] = None,
+    texture_device: Annotated[
+        str | None,
+        typer.Option("--texture-device", help="PHANTOM or Pantograph: what they render of textures"),
+    ] = None,
+    time_factor: Annotated[float | None, typer.Option("--time-factor", help="alpha of textures; 10")] = None,
+    space_factor: Annotated[float | None, typer.Option("--space-factor", help="beta of textures; 10")] = None,
+    force_factor: Annotated[
+        float | None, typer.Option("--force-factor", help="gamma of textures; 10")
+    ] = None,
+    force_resolution: Annotated[
+        float | None, typer.Option("--force-resolution", help="N, least force of the device")
+    ] = None,
+    control_stiffness: Annotated[
+        float | None, typer.Option("--control-stiffness", help="N/m, largest that the device holds")
+    ] = None,
+    structural_frequency: Annotated[
+        float | None, typer.Option("--structural-frequency", help="Hz, of the device's first mode")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Hold a haptic device against a field: does holding forces make it hum?"""
@@ -395,6 +413,7 @@ def certify(
         from palpate.author.certify import certify as certified
         from palpate.author.certify_map import certify_map, require_picture
         from palpate.author.haptic_device import device_from
+        from palpate.author.texture.certify_texture import certified_texture
 
         if picture is not None:
             require_picture(picture)
@@ -424,6 +443,18 @@ def certify(
         )
         if picture is not None:
             result["map"] = certify_map(field, held, picture)
+        result["texture"] = certified_texture(
+            field,
+            scene,
+            held,
+            texture_device,
+            {"time_factor": time_factor, "space_factor": space_factor, "force_factor": force_factor},
+            {
+                "force_resolution": force_resolution,
+                "stiffness_max": control_stiffness,
+                "structural_frequency": structural_frequency,
+            },
+        )
         return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)
 
     _end(work, as_json)

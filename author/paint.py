@@ -4,6 +4,7 @@
 
     friction           the Coulomb coefficient itself, 0 to 2; no tool states one beside it
     reach              1 where a tool may touch, 0 where not; the border is at REACHED
+    texture_amplitude  times the heights of textures, 0 to 1
     stiffness_scale    times the stiffness of the material below, through the whole thickness: tissue has the scale of
                        the surface point that is closest to it; the capsule is not scaled
 
@@ -29,7 +30,8 @@ __all__ = ["REACHED", "SurfacePaint", "read_paint"]
 
 REACHED = 0.5
 """Least painted reach where a tool may touch."""
-RANGES = {"friction": (0.0, 2.0), "reach": (0.0, 1.0), "stiffness_scale": (1e-3, 1e3)}
+RANGES = {"friction": (0.0, 2.0), "reach": (0.0, 1.0), "stiffness_scale": (1e-3, 1e3),
+          "texture_amplitude": (0.0, 1.0)}  # fmt: skip
 """Least and largest value of each kind."""
 WELD = 1e-7
 """Vertices nearer than this, relative to the longest side, are one place (as surface repair welds them)."""

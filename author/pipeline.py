@@ -37,13 +37,14 @@ from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
 from palpate.author.scene_types import digest
 from palpate.author.store import Store
+from palpate.author.texture.texture_stage import textures_of, with_texture
 from palpate.author.tool_members import is_family, is_tilted
 from palpate.author.tool_stage import shape_of
 from palpate.author.tool_work import ToolWork, versions
 from palpate.author.transients.transient_stage import transients_of, with_transient
 from palpate.author.ways_work import WaysWork
 from palpate.fields.organ_geometry import OrganGeometry
-from palpate.fields.response_field import ContactGeometry
+from palpate.fields.response_field import ContactGeometry, ResponseField
 
 __all__ = ["author"]
 
@@ -87,6 +88,7 @@ def author(
     store.sweep()
     stages = _Stages(progress)
     chosen = chosen_tools(scene, tool)
+    textures_of(scene)
     for one in chosen:
         transients_of(scene, one)  # what cannot be stored must not be found out after hours of presses
     if device:
@@ -114,16 +116,13 @@ def author(
 
     stages.begin("response field")
     fitted = [
-        with_transient(scene, one, work.fit(geometry())) for one, work in zip(chosen, tools, strict=True)
+        _with_layers(scene, one, work.fit(geometry()), mesh) for one, work in zip(chosen, tools, strict=True)
     ]
     fields = [field for field, _ in fitted]
 
     stages.begin("asset")
     asset = _write(out, organ, fields, not tool, per_vertex)
-    results = [
-        work.cook(out, field) | ({"transient": told} if told else {})
-        for work, (field, told) in zip(tools, fitted, strict=True)
-    ]
+    results = [work.cook(out, field) | told for work, (field, told) in zip(tools, fitted, strict=True)]
 
     stages.begin("validation")
     for work, field, result in zip(tools, fields, results, strict=True):
@@ -176,6 +175,15 @@ def author(
     summary["report"] = str(write_report(out, summary))
     (out / "summary.json").write_text(json.dumps(summary, indent=1))
     return summary
+
+
+def _with_layers(
+    scene: Scene, tool: Tool, field: ResponseField, mesh: OrganMesh
+) -> tuple[ResponseField, dict[str, Any]]:
+    """`field` with what plays on top of its response and what its surface is like; what a summary says of each."""
+    field, played = with_transient(scene, tool, field)
+    field, felt = with_texture(scene, field, mesh)
+    return field, {name: told for name, told in (("transient", played), ("texture", felt)) if told}
 
 
 def _device_of(scene: Scene) -> dict[str, Any]:

@@ -25,6 +25,7 @@ __all__ = ["fidelities_of", "plan", "planned_mesh_size"]
 _STORED = {
     "response": "stored energy, normal force and lateral gradient over depth at each node",
     "friction": "stiffness of the friction spring and friction coefficient over depth at each node",
+    "texture": "waves of height on the surface, inside the stored energy; no press of their own",
     "transient": "forces by incoming velocity that a contact plays on top of its response; no press of their own",
     "deformation": "how the surface moves over depth and distance, for graphics: about 0.1 MB a tool, from the "
     "same presses; nothing in the tick",

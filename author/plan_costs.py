@@ -34,6 +34,7 @@ from palpate.author.effort import (
 )
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
+from palpate.author.texture.texture_stage import textures_of
 from palpate.author.transients.transient_stage import transients_of
 
 __all__ = ["added_by", "rfield_bytes", "tool_row", "with_time"]
@@ -136,6 +137,9 @@ def added_by(
     moves = MOVES * held if "friction" in scene.effects else 0.0
     effects = []
     for effect in scene.effects:
+        if effect == "texture":
+            effects.append(_textures(scene, chosen, round(STRIDE[0] + STRIDE[1] * area)))
+            continue
         if effect == "transient":
             effects.append(_transients(scene, chosen))
             continue
@@ -168,6 +172,24 @@ def added_by(
         "effects": effects,
         "tools": [{key: row[key] for key in keys} for row in tools],
         "regions": regions,
+    }
+
+
+def _textures(scene: Scene, chosen: Sequence[Tool], masks: int) -> dict[str, Any]:
+    """Header and groups of four waves; masks are as large as four amplitude channels, `masks` bytes."""
+    made = textures_of(scene)
+    assert made is not None
+    texture = made[0]
+    groups, masked = (
+        sum(-(-len(w.phase) // 4) for w in texture.waves),
+        any(w.mask >= 0 for w in texture.waves),
+    )
+    return {
+        "name": "texture",
+        "presses": 0,
+        "cpu_seconds": 0.0,
+        "bytes": len(chosen) * (152 + 160 * groups + (masks if masked else 0)),
+        "tick_ns": 10.0 + 13.0 * groups + (60.0 if masked else 0.0),
     }
 
 

@@ -22,6 +22,7 @@ from palpate.author.scene_problems import Location, did_you_mean, table_problems
 from palpate.author.scene_rules import broken_rules
 from palpate.author.scene_tables import Accuracy, Device, Organ, Reach, SceneHead, Tool
 from palpate.author.scene_types import Table, canonical
+from palpate.author.texture.texture_table import Texture
 
 __all__ = ["Scene", "load_scene", "scene_schema"]
 
@@ -31,7 +32,7 @@ DEPTH_WITHOUT_RADIUS = 5e-3
 """m; deepest press of a tool without a radius in a scene that states no depth."""
 
 
-_TABLES = ("accuracy", "device", "organ", "reach", "scene", "tool")
+_TABLES = ("accuracy", "device", "organ", "reach", "scene", "texture", "tool")
 
 
 class Scene(Table):
@@ -48,6 +49,7 @@ class Scene(Table):
     tool: tuple[Tool, ...] = Field(min_length=1, description="at least one tool")
     accuracy: Accuracy = Field(default=Accuracy(), description="how true the field has to be")
     device: Device | None = Field(default=None, description="the haptic device, for certify")
+    texture: tuple[Texture, ...] = Field(default=(), description="heights on the organ's surface")
     file: Path = Field(default=Path("."), exclude=True)
     _written: dict[str, Any] = PrivateAttr(default_factory=dict)
 
@@ -81,7 +83,7 @@ class Scene(Table):
         return InputProblem(str(self.file), key, value, what, expected, introduced_by)
 
     def hash_inputs(self) -> dict[str, Any]:
-        return {key: canonical(getattr(self, key)) for key in _TABLES if getattr(self, key) is not None}
+        return {key: canonical(getattr(self, key)) for key in _TABLES if getattr(self, key) not in (None, ())}
 
 
 def load_scene(path: Path | str) -> Scene:
@@ -95,8 +97,8 @@ def load_scene(path: Path | str) -> Scene:
     problems: list[InputProblem] = []
     tables: dict[str, Any] = {}
     for key in raw:
-        if key not in models and key != "tool":
-            known = [*models, "tool"]
+        if key not in models and key not in ("texture", "tool"):
+            known = [*models, "texture", "tool"]
             what = f"is no known table{did_you_mean(key, known)}"
             problems.append(InputProblem(str(path), key, None, what, "one of " + ", ".join(known)))
     for key, model in models.items():
@@ -105,6 +107,7 @@ def load_scene(path: Path | str) -> Scene:
         elif key in ("scene", "organ"):
             problems.append(InputProblem(str(path), key, None, "is missing", f"a table [{key}]"))
     tables["tool"] = _tools(raw, path, problems)
+    tables["texture"] = _textures(raw, path, problems)
 
     told = [problem.key for problem in problems]
     for key, value, what, expected in broken_rules({k: v for k, v in tables.items() if v is not None}):
@@ -112,8 +115,8 @@ def load_scene(path: Path | str) -> Scene:
             problems.append(InputProblem(str(path), key, written(raw, key, value), what, expected))
     if problems:
         raise InputError(problems)
-    given = {key: value for key, value in tables.items() if key != "tool"}
-    scene = Scene(**given, tool=tuple(tables["tool"].values()), file=path)
+    lists = {key: tuple(tables.pop(key).values()) for key in ("tool", "texture")}
+    scene = Scene(**tables, **lists, file=path)
     scene._written = raw
     return scene
 
@@ -149,6 +152,15 @@ def _tools(raw: dict[str, Any], path: Path, problems: list[InputProblem]) -> dic
         return {}
     read = {i: _table(Tool, entry, ("tool", i), path, problems) for i, entry in enumerate(entries)}
     return {i: tool for i, tool in read.items() if tool is not None}
+
+
+def _textures(raw: dict[str, Any], path: Path, problems: list[InputProblem]) -> dict[int, Texture]:
+    entries = raw.get("texture", [])
+    if not isinstance(entries, list):
+        problems.append(InputProblem(str(path), "texture", None, "is no list", "tables [[texture]]"))
+        return {}
+    read = {i: _table(Texture, entry, ("texture", i), path, problems) for i, entry in enumerate(entries)}
+    return {i: texture for i, texture in read.items() if texture is not None}
 
 
 def _table(model: type[T], raw: Any, prefix: Location, path: Path, problems: list[InputProblem]) -> T | None:

@@ -12,6 +12,7 @@ from typing import Any
 
 from palpate.author.place import Place
 from palpate.author.scene_tables import Accuracy, Device, Material, Organ, Reach, SceneHead, Tool
+from palpate.author.texture.texture_rules import textures
 from palpate.author.transients.transient_rules import transients
 
 __all__ = ["Broken", "broken_rules"]
@@ -56,7 +57,8 @@ _SHAPE_PARAMETERS = (
 
 
 def broken_rules(tables: Mapping[str, Any]) -> Iterator[Broken]:
-    """`tables`: those of scene, organ, reach, accuracy, device that could be read; tool: {index: Tool}."""
+    """`tables`: those of scene, organ, reach, accuracy, device that could be read; tool: {index: Tool},
+    texture: {index: Texture}."""
     head: SceneHead | None = tables.get("scene")
     organ: Organ | None = tables.get("organ")
     reach: Reach | None = tables.get("reach")
@@ -78,6 +80,7 @@ def broken_rules(tables: Mapping[str, Any]) -> Iterator[Broken]:
         yield from _one_place("reach", reach, needed=False)
     yield from _tools(tools, head, reach, painted is not None)
     yield from transients(tools, head, device)
+    yield from textures(tables.get("texture", {}), head, organ, device)
     if isinstance(tables.get("accuracy"), Accuracy):
         yield from _accuracy(tables["accuracy"])
     if device is not None:

@@ -59,6 +59,7 @@ Unit = Literal["m", "cm", "mm"]
 Length = Annotated[float, Quantity("length", above=0)]
 Pressure = Annotated[float, Quantity("pressure", above=0)]
 Number = Annotated[float, Quantity("fraction")]
+Factor = Annotated[float, Quantity("fraction", least=1, most=1e6)]
 
 
 def _in_order(effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
@@ -159,6 +160,9 @@ class Paint(Table):
     )
     friction: str | None = Field(
         default=None, min_length=1, description="name of the vertex attribute that is the Coulomb coefficient"
+    )
+    texture_amplitude: str | None = Field(
+        default=None, min_length=1, description="name of the vertex attribute that scales textures, 0 to 1"
     )
     reach: str | None = Field(
         default=None,
@@ -301,4 +305,23 @@ class Device(Table):
     )
     rate: Annotated[float, Quantity("frequency", above=0)] = Field(
         default=1000.0, description="of the servo loop, above 0"
+    )
+    force_resolution: Annotated[float, Quantity("force", least=0)] | None = Field(
+        default=None, description="smallest force that it gives, for textures; at least 0"
+    )
+    stiffness_max: Annotated[float, Quantity("stiffness", above=0)] | None = Field(
+        default=None, description="largest that it can hold, for textures; above 0"
+    )
+    structural_frequency: Annotated[float, Quantity("frequency", above=0)] | None = Field(
+        default=None, description="of its first mode, for textures; above 0"
+    )
+    time_factor: Factor | None = Field(
+        default=None, description="ticks within a wavelength of a texture at least, 1 or more; 2 when absent"
+    )
+    space_factor: Factor | None = Field(
+        default=None, description="resolutions within a wavelength at least, 1 or more; 2 when absent"
+    )
+    force_factor: Factor | None = Field(
+        default=None,
+        description="a texture's force over force_resolution at least, 1 or more; 10 when absent",
     )

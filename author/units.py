@@ -53,6 +53,7 @@ _UNITS: dict[str, tuple[float, Exponents]] = {
     "kPa": (1e3, _PRESSURE),
     "MPa": (1e6, _PRESSURE),
     "GPa": (1e9, _PRESSURE),
+    "1": (1.0, _NUMBER),
     "%": (1e-2, _NUMBER),
 }
 
@@ -69,6 +70,7 @@ DIMENSIONS: dict[str, tuple[Exponents, str, str]] = {
     "damping": ((0, 1, -1, 0), "N s/m", "5 N s/m"),
     "velocity": ((1, 0, -1, 0), "m/s", "0.1 m/s"),
     "energy": ((2, 1, -2, 0), "J", "2 mJ"),
+    "spatial frequency": ((-1, 0, 0, 0), "1/m", "2 1/mm"),
     "fraction": (_NUMBER, "1", "3.5 %"),
 }
 """Name of a dimension: exponents of (m, kg, s, rad), SI unit, an example of a string."""

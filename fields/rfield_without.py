@@ -13,7 +13,7 @@ from palpate.fields.rfield_read import read_header
 __all__ = ["rfield_without"]
 
 
-def rfield_without(data: bytes, layers: Iterable[str] = ("transient",)) -> bytes:
+def rfield_without(data: bytes, layers: Iterable[str] = ("texture", "transient")) -> bytes:
     """The file `data` with the rows of `layers` emptied; their bytes stay, unread.  Raises RFieldError."""
     header = read_header(data)
     rows = [LAYERS.index(name) for name in layers]

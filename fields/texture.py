@@ -41,6 +41,8 @@ __all__ = [
 WAVE_LIMIT = 16
 """Waves of a texture; those of one mask come in groups of four."""
 MASK_LIMIT = 4
+LEAST_SHARE = 1e-5
+"""Of a profile's largest harmonic; what is less is its file's rounding."""
 HEIGHT_SHARE = 0.25
 """Largest sum of amplitudes over the depth in which they fade."""
 
@@ -220,7 +222,7 @@ def profile(
         amplitude[-1] = 0.0  # the last harmonic has no phase of its own
     inside = (frequency > 0) & (frequency >= band[0]) & (frequency <= band[1])
     order = np.argsort(-np.where(inside, amplitude, 0.0), kind="stable")[:count]
-    order = np.sort(order[np.where(inside, amplitude, 0.0)[order] > 0.0])
+    order = np.sort(order[np.where(inside, amplitude, 0.0)[order] > LEAST_SHARE * amplitude.max()])
     if not len(order):
         raise FieldError("texture: a profile has no height in its band")
     power = float(np.mean((height - height.mean()) ** 2))

@@ -12,6 +12,7 @@
         EnergyCurves, StiffnessCurves, FrictionCurves     PalpateDepthCurvesAPI; the last two with friction only
         Amplitudes                PalpateLatticeAPI
         Deformation               PalpateDeformationAPI, where the scene asked for it (usd_deformation.py)
+        Texture                   PalpateTextureAPI, likewise (usd_texture.py)
         Transient                 PalpateTransientAPI, likewise (usd_transient.py)
         Tool                      Sphere or Mesh (purpose guide), resting on the first node
 """
@@ -49,6 +50,7 @@ from palpate.fields.usd_layer import (
 )
 from palpate.fields.usd_organ import exact_points, point_attributes
 from palpate.fields.usd_schema.attributes import APIS
+from palpate.fields.usd_texture import author_texture, read_usd_texture
 from palpate.fields.usd_transient import author_transient, read_usd_transient
 
 __all__ = ["contact_from_prim", "contact_hash", "contact_layer", "field_from_prim", "field_layer"]
@@ -133,6 +135,7 @@ def field_layer(root_name: str, field: ResponseField, organ_hash: str) -> Sdf.La
     _lattice(child(response, "Amplitudes", "Scope"), field.amplitudes, channels)
     _ways(response, field, channels)
     author_deformation(response, field.layers)
+    author_texture(response, field.layers)
     author_transient(response, field.layers)
     _tool_preview(response, field)
     return layer
@@ -193,7 +196,7 @@ def field_from_prim(root: Usd.Prim) -> ResponseField:
         provenance=json.loads(values["provenance"]),
         family=_read_family(response, tool, nodes),
         ways=_read_ways(response, tool),
-        layers=read_usd_deformation(response) | read_usd_transient(response),
+        layers=read_usd_deformation(response) | read_usd_texture(response) | read_usd_transient(response),
     )
     check_field(field)
     return field

@@ -19,7 +19,7 @@ NEO_HOOKEAN = 'material = { model = "neo_hookean", mu = 1e4 }\n'
 
 BEYOND: dict[str, tuple[str, tuple[str, str] | None, str]] = {
     # capability: (extra, replaced, key); what is switched on leaves this table
-    "effects": ("", ('name = "block"', 'name = "block"\neffects = ["response", "texture"]'), "scene.effects"),
+    "effects": ("", ('name = "block"', 'name = "block"\neffects = ["response", "cutting"]'), "scene.effects"),
     "material models": ('[organ.material]\nmodel = "linear"\nmu = 1e3', None, "organ.material.model"),
     "largest Poisson's ratio": (
         '[organ.material]\nmodel = "neo_hookean"\nmu = 1e3\npoissons_ratio = 0.4999',

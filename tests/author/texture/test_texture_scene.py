@@ -38,6 +38,7 @@ band = ["0.5 1/mm", "2000 m^-1"]
 seed = 7
 direction = [0, 0, 1]
 """
+PAINT = '\n[organ.paint]\ntexture_amplitude = "palpate:texture_amplitude"\n'
 PROFILE = """
 [[texture]]
 kind = "profile"
@@ -184,6 +185,7 @@ def test_places_and_paint_become_masks(asked: Callable[..., Scene], tmp_path: Pa
     inside = texture.masks.coefficients[..., 0]
     assert set(np.unique(inside)) <= {0.0, 1.0}
     mesh.painted = lambda kind, q: 0.5 * np.ones(len(q))
+    scene = asked(GRATING + 'sphere = { center = [0, 0, 0.01], radius = "8 mm" }\n' + NOISE + PAINT)
     painted = read_texture(with_texture(scene, field, mesh)[0].layers["texture"])  # type: ignore[arg-type]
     assert painted.masks is not None
     assert painted.masks.coefficients[..., 0] == pytest.approx(0.5 * inside)
@@ -200,7 +202,8 @@ def test_an_asset_keeps_it(asked: Callable[..., Scene], tmp_path: Path) -> None:
         distance=SimpleNamespace(closest=lambda q: (q, None, None)),
         painted=lambda kind, q: np.clip(0.5 + 20.0 * q[:, 0], 0.0, 1.0),
     )
-    made, _ = with_texture(asked(GRATING + NOISE), field, mesh)  # type: ignore[arg-type]
+    made, told = with_texture(asked(GRATING + NOISE + PAINT), field, mesh)  # type: ignore[arg-type]
+    assert all(row["masked"] for row in told["textures"])
     add_tool(asset, made, per_vertex=False)
     assert asset_errors(asset) == []
     again = read_field(asset, "ball")

@@ -51,6 +51,8 @@ AMPLITUDE_SPACINGS = (5e-3, 4e-3, 3e-3)
 """m; the first whose lattice loses at most REPRESENTATION_ERROR is taken, or the one that loses least."""
 REPRESENTATION_ERROR = 0.007
 """Fraction of force at p95, between the kriged curves and the field: a fifth of the usual tolerance."""
+SHARE_STEP = (0.9, 1.3)
+"""Of the share of friction that is felt, from one depth that has it to the next: a ball's grows by some 15 %."""
 REACH_MARGIN = 18.75e-3
 """m beyond the reach in which amplitudes fall to zero, and so geometry must be known."""
 
@@ -124,10 +126,17 @@ def _arrays(outcome: PressOutcome, friction: float | None) -> PressArrays:
 
 
 def _felt_friction(arrays: dict[str, np.ndarray], friction: float) -> float | np.ndarray:
-    """What a sliding tool feels of the coefficient at every point of its contact: rows (depth m, coefficient)."""
+    """What a sliding tool feels of the coefficient at every point of its contact: rows (depth m, coefficient).
+
+    Shares are taken down to the first depth at which one leaps: there the contact is about to fold, under an edge say,
+    and what is so to first order in the coefficient is no longer so at any that matters.
+    """
     depth, share = arrays["depth"], arrays["friction_share"]
     known = (depth > 0.0) & np.isfinite(share)
-    return np.stack([depth[known], friction * share[known]], axis=1) if known.any() else friction
+    depth, share = depth[known], share[known]
+    ratio = share / np.concatenate([[1.0], share[:-1]])
+    smooth = np.logical_and.accumulate((ratio >= SHARE_STEP[0]) & (ratio <= SHARE_STEP[1]))
+    return np.stack([depth[smooth], friction * share[smooth]], axis=1) if smooth.any() else friction
 
 
 def press_arrays(

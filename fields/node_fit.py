@@ -269,8 +269,14 @@ def stiffness_ratios(
 
 
 def friction_at(coefficient: float | np.ndarray, knots: np.ndarray) -> np.ndarray:
-    """mu (K,) from a number or (J, 2) rows (depth, coefficient)."""
+    """mu (K,) from a number or (J, 2) rows (depth, coefficient).
+
+    Raises:
+        ValueError: a coefficient is negative or not finite.
+    """
     table = np.asarray(coefficient, dtype=float)
+    if not np.all(table >= 0.0):
+        raise ValueError(f"response nodes: friction coefficients {table.tolist()}; none below 0 is right")
     return (
         np.full(len(knots), float(table)) if table.ndim == 0 else np.interp(knots, table[:, 0], table[:, 1])
     )

@@ -91,6 +91,11 @@ def test_a_node_has_the_friction_that_is_felt_there():
     press = field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), 0.2)
     assert press.friction_coefficient[:, 0] == pytest.approx(depth[2::2])
     assert press.friction_coefficient[:, 1] == pytest.approx(0.2 * (1.0 + 50.0 * depth[2::2]))
+    outcome["friction_share"] = 1.0 + 50.0 * depth * np.where(
+        depth > 2.5e-3, -10.0, 1.0
+    )  # the contact folds at 3 mm
+    press = field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), 0.2)
+    assert press.friction_coefficient == pytest.approx(np.array([[1e-3, 0.21], [2e-3, 0.22]]))
     outcome["friction_share"] = np.full(len(depth), np.nan)
     assert field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), 0.2).friction_coefficient == 0.2
     assert field_stage._arrays(SimpleNamespace(arrays=outcome, key="k"), None).friction_coefficient == 0.0

@@ -111,6 +111,10 @@ def test_friction_may_depend_on_depth():
     p = replace(p, friction_coefficient=np.array([[1e-3, 0.2], [5e-3, 0.1]]))
     mu = fit_nodes([p], KNOTS, ORGAN.radius).friction_coefficient[0]
     np.testing.assert_allclose(mu, np.interp(KNOTS, [1e-3, 5e-3], [0.2, 0.1]))
+    with pytest.raises(ValueError, match="none below 0"):
+        fit_nodes(
+            [replace(p, friction_coefficient=np.array([[1e-3, 0.2], [5e-3, -0.1]]))], KNOTS, ORGAN.radius
+        )
 
 
 @pytest.mark.parametrize(("depth", "count"), [(5e-3, 1), (5e-3, 0), (0.0, 13), (-1e-3, 13), (np.nan, 13)])

@@ -85,6 +85,7 @@ def detectability(
         shape_of(scene, named),
         tuple(map(float, ladder(deepest))),
         scene.accuracy.fidelity,
+        stiffness=False,
     )
     asked = [(u, r, k) for k in stiffer for r in radius for u in under]
     cells: list[dict[str, Any]] = []

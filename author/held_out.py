@@ -87,7 +87,8 @@ def held_out_jobs(
     seed: int,
     dragged: int = 0,
 ) -> list[PressJob]:
-    """Jobs at points (n, 3) m; where there is friction, each sticks and moves aside at half and full depth.
+    """Jobs at points (n, 3) m; where there is friction, each sticks and moves aside at half and full depth, and nothing
+    is solved for it elsewhere.
 
     Args:
         friction: Coulomb coefficient, one for all or (n,).
@@ -103,7 +104,17 @@ def held_out_jobs(
             if mu
             else ()
         )
-        jobs.append(PressJob(tuple(map(float, point)), tool, tuple(map(float, depths)), fidelity, moves, mu))
+        jobs.append(
+            PressJob(
+                tuple(map(float, point)),
+                tool,
+                tuple(map(float, depths)),
+                fidelity,
+                moves,
+                mu,
+                stiffness=bool(mu),
+            )
+        )
     jobs[:dragged] = [replace(job, drag=job.depths[-1:]) if job.friction else job for job in jobs[:dragged]]
     return jobs
 

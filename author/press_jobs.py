@@ -13,7 +13,7 @@ import atexit
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from palpate.author.scene_types import digest
 from palpate.author.store import Result, Store
 from palpate.author.tool_stage import ToolShape
 
-__all__ = ["PressJob", "PressOutcome", "mechanics_version", "run_here", "run_jobs"]
+__all__ = ["PressJob", "PressOutcome", "kept_key", "mechanics_version", "run_here", "run_jobs"]
 
 
 @dataclass(frozen=True)
@@ -46,6 +46,7 @@ class PressJob:
         refinement: divides the edges of the patch's tetrahedra.
         patch_radius: m, of the patch; the mechanics' own when None, which leaves the key as it is without.
         surface: keep how the organ's surface moves, and how it follows a stuck tool (arrays named "surface_...").
+        stiffness: find the sticking stiffness and the friction felt; sticking moves and drags need it.
     """
 
     contact_point: tuple[float, float, float]
@@ -60,15 +61,27 @@ class PressJob:
     shape: bool = False
     patch_radius: float | None = None
     surface: bool = False
+    stiffness: bool = True
 
     def key(self, mesh: OrganMesh) -> str:
         asked = {**asdict(self), "tool": self.tool.hash}
         if self.patch_radius is None:
             del asked["patch_radius"]
+        if self.stiffness:
+            del asked["stiffness"]
         if not asked.pop("surface"):  # what no scene asked for is in no key
             return digest({"organ": mesh.hash, "job": asked, "mechanics": mechanics_version()})
         asked["surface"] = module_meaning("surface_displacement")
         return digest({"organ": mesh.hash, "job": asked, "mechanics": mechanics_version()})
+
+
+def kept_key(mesh: OrganMesh, job: PressJob, store: Store) -> str:
+    """Of the record that serves a job: its own, or one that has a stiffness beside all that it asks for."""
+    key = job.key(mesh)
+    if job.stiffness or store.path("press", key).exists():
+        return key
+    more = replace(job, stiffness=True).key(mesh)
+    return more if store.path("press", more).exists() else key
 
 
 @dataclass(frozen=True)
@@ -106,10 +119,11 @@ def run_here(
     """
     from palpate.author.press_solve import forget_organ, solve
 
-    key = job.key(mesh)
+    key = kept_key(mesh, job, store)
     kept = store.read("press", key)
     if kept is not None:
         return PressOutcome(job, key, *kept, fresh=False)
+    key = job.key(mesh)
     atexit.register(forget_organ)
     arrays, values = solve(mesh, job, str(store.folder), progress)
     store.write("press", key, arrays, values)
@@ -151,7 +165,7 @@ def run_jobs(
         """Takes up the jobs that nobody has taken up yet."""
         fresh = range(len(outcomes), len(jobs))
         outcomes.extend([None] * len(fresh))
-        keys.extend(jobs[i].key(mesh) for i in fresh)
+        keys.extend(kept_key(mesh, jobs[i], store) for i in fresh)
         for i in fresh:
             kept = store.read("press", keys[i])
             if kept is not None:
@@ -159,6 +173,7 @@ def run_jobs(
                 done(outcomes[i])  # type: ignore[arg-type]
         for i in fresh:
             if outcomes[i] is None:
+                keys[i] = jobs[i].key(mesh)
                 waiting[executor.submit(solver, mesh, jobs[i], str(store.folder))] = i
 
     try:

@@ -148,7 +148,13 @@ def _press_until_vouched(
 
         with clock("ladder"):
             record = press(
-                site, tool, np.array(job.depths), moves=_moves(job), progress=progress, watch=watch
+                site,
+                tool,
+                np.array(job.depths),
+                moves=_moves(job),
+                progress=progress,
+                watch=watch,
+                stiffness=job.stiffness,
             )
         worst = float(record.far_field_error.max())
         if fidelity != "near_field" or not worst > VOUCHED:

@@ -85,7 +85,10 @@ class ToolWork:
         self._deformation: dict[str, Any] = {}
         self.held_jobs = [replace(job, surface=self._surface) for job in self._held_out(held)]
         near = self.held_jobs[:NEAR_CHECKS] if scene.accuracy.fidelity == "near_field" else []
-        self.near_jobs = [PressJob(job.contact_point, job.tool, job.depths, "near_field") for job in near]
+        self.near_jobs = [
+            PressJob(job.contact_point, job.tool, job.depths, "near_field", stiffness=job.stiffness)
+            for job in near
+        ]
         self.failures: list[dict[str, Any]] = []
         self._checks: dict[PressJob, PressOutcome] = {}
 
@@ -155,6 +158,7 @@ class ToolWork:
             refinement=self._scene.accuracy.patch_refinement or 1.0,
             patch_radius=self._scene.accuracy.patch_radius,
             surface=self._surface,
+            stiffness="friction" in self._scene.effects,
         )
 
     @property

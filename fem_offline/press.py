@@ -115,7 +115,7 @@ class PressRecord:
         far_field_error: (K,) estimate of what the linear far field costs, fraction of force; 0 where all is nonlinear,
             NaN where all is linear.
         sticking_stiffness: (K, 3, 3) N/m; -df/dp with the contact stuck, at every second depth and the deepest;
-            zero at the zero state, NaN elsewhere.
+            zero at the zero state, NaN elsewhere and where nobody asked.
         friction_share: (K,) felt over given coefficient of a tool that slides, for small coefficients, where there is
             a stiffness; 1 at the zero state, NaN elsewhere, with friction, and where it was not found.
         lateral: sticking lateral ladders.
@@ -163,6 +163,7 @@ def press(
     progress: Callable[[float], None] = lambda depth: None,
     watch: Callable[[float, Equilibrium], None] = lambda depth, found: None,
     friction: float = 0.0,
+    stiffness: bool = True,
 ) -> PressRecord:
     """Press `tool` into a site along -normal.
 
@@ -173,6 +174,7 @@ def press(
         progress: called with each depth reached.
         watch: called with each recorded equilibrium, before any lateral move.
         friction: Coulomb's coefficient; lateral moves stick whatever it is.
+        stiffness: find the stuck contact's stiffness and what friction is felt; lateral moves are chosen by it.
 
     Returns:
         The record, as deep as it came; `converged` and `reason` say whether that was all.
@@ -201,22 +203,22 @@ def press(
             if reason:
                 break
             stuck = sticking(site, found, contact, settings)
-            wants_stiffness = index % 2 == 1 or index == len(depths) - 1
+            wants_stiffness = stiffness and (index % 2 == 1 or index == len(depths) - 1)
             share = np.nan
             if wants_stiffness and not friction:
                 with suppress(ArithmeticError):  # of a contact about to give way
                     share = friction_share(site, found, contact, settings)
-            stiffness = sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
+            held = sticking_stiffness(site, found, stuck) if wants_stiffness else np.full((3, 3), np.nan)
             touch = found.contact
             rows.append(
                 (depth, touch.force, touch.moment, found.elastic.energy, touch.area, found.residual, mismatch,
-                 touch.penetration, site.body.far_field_error(found.u, found.elastic), stiffness, share)
+                 touch.penetration, site.body.far_field_error(found.u, found.elastic), held, share)
             )  # fmt: skip
             if ladder.check:
                 check = ladder.check
                 slid.append((ladder.dissipation, check.sliding, check.excess, check.turned))
             watch(float(depth), found)
-            wanted = moves(index, PressState(site.normal, touch.force, stiffness))
+            wanted = moves(index, PressState(site.normal, touch.force, held))
             if wanted is not None:
                 ladders.append(_lateral_ladder(site, found, stuck, float(depth), wanted, settings, ladder))
         except (

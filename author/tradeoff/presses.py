@@ -15,7 +15,7 @@ from typing import Any
 
 from palpate.author.effort import PRESS_SECONDS
 from palpate.author.organ_stage import OrganMesh
-from palpate.author.press_jobs import PressJob, PressOutcome, Solver, run_jobs
+from palpate.author.press_jobs import PressJob, PressOutcome, Solver, kept_key, run_jobs
 from palpate.author.progress import Progress
 from palpate.author.scene import Scene
 from palpate.author.scene_types import digest
@@ -84,7 +84,7 @@ class Presses:
             given: list[PressJob] = []
             while asked < len(todo):
                 job = todo[asked]
-                kept = store.path("press", job.key(mesh)).exists()
+                kept = store.path("press", kept_key(mesh, job, store)).exists()
                 if not kept and (asked - ended >= self._executor.workers + 1 or self.out_of_time):
                     break
                 given.append(job)

@@ -27,7 +27,7 @@ from palpate.author.field_stage import contact_geometry_of
 from palpate.author.organ_stage import OrganMesh
 from palpate.author.plan import planned_mesh_size
 from palpate.author.press_executor import fitting_workers, press_executor
-from palpate.author.press_jobs import PressJob, PressOutcome, Solver
+from palpate.author.press_jobs import PressJob, PressOutcome, Solver, kept_key
 from palpate.author.progress import Progress
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
@@ -200,7 +200,7 @@ class Sweep:
         store = self.presses.store(pressing.name)
         mesh, _ = self.organ(pressing.mesh_size)
         jobs = jobs_of(pressing, like)
-        to_do = sum(not store.path("press", job.key(mesh)).exists() for job in jobs)
+        to_do = sum(not store.path("press", kept_key(mesh, job, store)).exists() for job in jobs)
         expected = self.presses.expected(to_do, pressing.fidelity)
         if to_do and not self.presses.has(expected):
             found = self.presses.press(pressing.name, mesh, jobs[: len(jobs) - to_do], pressing.name)

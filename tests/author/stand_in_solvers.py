@@ -121,16 +121,33 @@ def known_press(job: PressJob, R: float, factor: float, aside: float):
         lateral.append(
             {"depth": depth[i], "deflection": [[0, 0, 0], s.tolist()], "force_vector": moved, "energy": []}
         )
+    unknown = np.full((len(depth), 3, 3), np.nan)
     arrays = {
         "contact_point": np.array(job.contact_point),
         "normal": np.array([0.0, 0.0, 1.0]),
         "depth": depth,
         "force_vector": force,
         "energy": factor * known_energy(x, R, depth),
-        "sticking_stiffness": k[:, None, None] * np.diag([1.0, 1.0, 0.0]),
-        "friction_share": np.ones(len(depth)),
+        "sticking_stiffness": k[:, None, None] * np.diag([1.0, 1.0, 0.0]) if job.stiffness else unknown,
+        "friction_share": np.ones(len(depth)) if job.stiffness else unknown[:, 0, 0],
     }
+    if job.surface:
+        arrays |= known_surface(np.array(job.contact_point), depth)
     return arrays, {"converged": True, "reason": "", "lateral": lateral, "seconds": 0.0, "estimate": 0.0}
+
+
+def known_surface(c: np.ndarray, depth: np.ndarray) -> dict[str, np.ndarray]:
+    """u = -d e_z / (1 + r^2 / a^2), a = 5 mm, on the plane around c; what sticks follows as 1 / (1 + r^2 / a^2)."""
+    r, angle = np.meshgrid(1e-3 * np.arange(0.5, 30.0), 0.5 * np.arange(12.0))
+    x, y = (r * np.cos(angle)).ravel(), (r * np.sin(angle)).ravel()
+    bell = 1.0 / (1.0 + (x**2 + y**2) / (5e-3) ** 2)
+    along = np.eye(3)[:, :2]
+    return {
+        "surface_point": c + np.stack([x, y, 0.0 * x], axis=1),
+        "surface_displacement": -depth[:, None, None] * bell[:, None] * np.array([0.0, 0.0, 1.0]),
+        "surface_stuck": (bell[:, None, None] * along)[None],
+        "surface_stuck_depth": depth[-1:],
+    }
 
 
 LUMP = (0.003, -0.002), 4e-3, 0.4

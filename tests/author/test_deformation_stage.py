@@ -27,6 +27,7 @@ from palpate.fem_offline.verification.blocks import block_organ
 
 BALL = ToolShape("sphere", (("radius", 3e-3),))
 PLAIN = PressJob((2e-3, 1e-3, 0.0), BALL, (3e-4, 6e-4), "near_field", refinement=0.6)
+UNASKED = ("surface", "patch_radius", "stiffness")
 WITH = 'name = "block"\neffects = ["response", "deformation"]'
 
 
@@ -39,7 +40,7 @@ def records(tmp_path_factory):
 
 def test_keys_of_presses_that_were_not_asked_are_as_before():
     mesh = SimpleNamespace(hash="block")
-    asked = {name: value for name, value in vars(PLAIN).items() if name not in ("surface", "patch_radius")}
+    asked = {name: value for name, value in vars(PLAIN).items() if name not in UNASKED}
     known = {"organ": "block", "job": {**asked, "tool": BALL.hash}, "mechanics": mechanics_version()}
     assert PLAIN.key(mesh) == digest(known) != replace(PLAIN, surface=True).key(mesh)
 

@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -205,3 +206,31 @@ def test_a_job_s_key_names_its_organ_place_tool_depths_and_fidelity() -> None:
     ]
     keys = {job.key(ORGAN) for job in [one, *changed]} | {one.key(AnyOrgan("another"))}
     assert len(keys) == 5
+
+
+def test_a_record_with_a_stiffness_serves_a_job_that_needs_none_and_not_the_other_way_round(
+    tmp_path: Path,
+) -> None:
+    with_it, without = jobs(1)[0], replace(jobs(1)[0], stiffness=False)
+    assert with_it.key(ORGAN) != without.key(ORGAN)
+    for name, first, second, fresh in (
+        ("more", with_it, without, False),
+        ("less", without, with_it, True),
+    ):
+        store = Store(tmp_path / name)
+        with ThreadPoolExecutor(1) as executor:
+            run_jobs(ORGAN, [first], store, executor, solver=quick)
+            (outcome,) = run_jobs(ORGAN, [second], store, executor, solver=quick)
+        assert outcome.fresh is fresh and outcome.job == second
+        assert outcome.key == with_it.key(ORGAN)
+
+
+def test_a_corrupt_record_with_a_stiffness_is_not_replaced_by_one_without(tmp_path: Path) -> None:
+    store, with_it = Store(tmp_path / "work"), jobs(1)[0]
+    without = replace(with_it, stiffness=False)
+    with ThreadPoolExecutor(1) as executor:
+        run_jobs(ORGAN, [with_it], store, executor, solver=quick)
+        garble(store.path("press", with_it.key(ORGAN)), tmp_path)
+        (outcome,) = run_jobs(ORGAN, [without], store, executor, solver=quick)
+    assert outcome.fresh and outcome.key == without.key(ORGAN)
+    assert store.read("press", with_it.key(ORGAN)) is None

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A near-field press that cannot vouch for itself is done in full, and says so."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -64,3 +65,17 @@ def test_far_fields_of_other_mechanics_are_made_anew(mesh, tmp_path, monkeypatch
     assert press_solve.solve(mesh, JOB, str(tmp_path))[1]["far_field_kept"] is False
     monkeypatch.setattr(press_solve, "mechanics_version", lambda: "another")
     assert press_solve.solve(mesh, JOB, str(tmp_path))[1]["far_field_kept"] is False
+
+
+def test_a_press_without_a_stiffness_gives_the_same_forces_and_solves_for_nothing_else(
+    mesh, near, tmp_path, monkeypatch
+):
+    from palpate.fem_offline import press
+
+    monkeypatch.setattr(press, "sticking_stiffness", None)
+    monkeypatch.setattr(press, "friction_share", None)
+    arrays, _ = press_solve.solve(mesh, replace(JOB, stiffness=False), str(tmp_path))
+    for name in ("force_vector", "energy", "area"):
+        assert arrays[name] == pytest.approx(near[0][name], rel=1e-6, abs=1e-12), name
+    assert np.isnan(arrays["sticking_stiffness"][1:]).all() and np.isnan(arrays["friction_share"][1:]).all()
+    assert np.isfinite(near[0]["sticking_stiffness"][-1]).all()

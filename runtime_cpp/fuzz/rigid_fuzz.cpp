@@ -17,10 +17,18 @@ void require(bool law) {
     if (!law) std::abort();
 }
 
-void exercise(const palpate_rigid* rigid) {
+void exercise(const palpate_rigid* rigid, bool coupled) {
+    palpate_rigid_config config;
+    palpate_rigid_config_default(&config);
+    if (coupled) {
+        config.coupling_stiffness = 1000.0;
+        config.coupling_damping = 10.0;
+        config.coupling_torsional_stiffness = 1.0;
+        config.coupling_torsional_damping = 0.01;
+    }
     std::vector<std::uint64_t> memory((palpate_rigid_session_size() + 7) / 8);
     palpate_rigid_session* session = nullptr;
-    require(palpate_rigid_session_init(memory.data(), memory.size() * 8, rigid, nullptr, &session) == PALPATE_OK);
+    require(palpate_rigid_session_init(memory.data(), memory.size() * 8, rigid, &config, &session) == PALPATE_OK);
     palpate_rigid_state state{sizeof state, 0, 1e-3, {0, 0, 0.08}, {0, 0, 0, 1}};
     palpate_rigid_response response{};
     response.size = sizeof response;
@@ -55,7 +63,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     char message[128];
     const palpate_status status = palpate_rigid_open(bytes.data(), size, &rigid, message, sizeof message);
     require((status == PALPATE_OK) == (rigid != nullptr));
-    if (rigid != nullptr) exercise(rigid);
+    if (rigid != nullptr) {
+        exercise(rigid, false);
+        exercise(rigid, true);
+    }
     palpate_rigid_close(rigid);
     return 0;
 }

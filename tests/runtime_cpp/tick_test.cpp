@@ -5,13 +5,12 @@
 #include <cstring>
 #include <random>
 
+#include "counted_allocations.h"
 #include "executed_fetches.h"
 #include "session.h"
 #include "test_field.h"
 
-namespace {
 std::atomic<long> allocations{0};
-}
 
 #if defined(PALPATE_COUNT_ALLOCATIONS)
 extern "C" {

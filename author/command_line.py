@@ -39,7 +39,7 @@ from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.extremes_command import extremes
 from palpate.author.report_command import report
-from palpate.author.rigid_command import rigid
+from palpate.author.rigid_command import cooked_scene, rigid
 from palpate.author.scan_command import detect, scan
 from palpate.author.tradeoff_command import tradeoff
 from palpate.author.transients_command import transients
@@ -148,7 +148,10 @@ def author(
 
     def work() -> Answer:
         from palpate.author.progress import ConsoleProgress
+        from palpate.author.rigid.scene import is_rigid_scene
 
+        if is_rigid_scene(scene):  # nothing to press
+            return cooked_scene(scene, out)
         one_way_to_press(workers, scheduler, device, batch)
         ready = ready_scene(scene)
         from palpate.author.pipeline import author as authored

@@ -13,7 +13,10 @@ import typer
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
 
-__all__ = ["rigid"]
+__all__ = ["cooked_scene", "rigid"]
+
+SAMPLES = 4000
+"""Poses that search valid formations where nobody says how many."""
 
 
 def rigid(
@@ -27,11 +30,20 @@ def rigid(
     samples: Annotated[
         int,
         typer.Option("--samples", min=0, metavar="N", help="poses that search valid formations; 0: no table"),
-    ] = 4000,
+    ] = SAMPLES,
     identify: Annotated[
         int,
         typer.Option(
             "--identify", min=0, metavar="N", help="names formations of so many poses that are known"
+        ),
+    ] = 0,
+    tables: Annotated[
+        int,
+        typer.Option(
+            "--tables",
+            min=0,
+            metavar="N",
+            help="searches the examples' formations with N poses; covers N others",
         ),
     ] = 0,
     as_json: Annotated[
@@ -42,18 +54,14 @@ def rigid(
 
     def work() -> Answer:
         if scene is not None:
-            if identify:
-                raise InputError(
-                    InputProblem("", "--identify", identify, "is for poses of its own", "no SCENE")
-                )
+            for option, value in (("--identify", identify), ("--tables", tables)):
+                if value:
+                    raise InputError(InputProblem("", option, value, "is for poses of its own", "no SCENE"))
             if out is None:
                 raise InputError(
                     InputProblem("", "--out", None, "is missing", "a folder for the cooked scene")
                 )
-            result = _cooked(scene, out, samples)
-            return Answer(
-                result, [f"{result['rigid']}: {result['bytes']} bytes, {result['formations']} formations"]
-            )
+            return cooked_scene(scene, out, samples)
         if identify:
             from palpate.author.rigid.known_configurations import identified
 
@@ -61,10 +69,20 @@ def rigid(
             return Answer(
                 known, [f"{known['right']:.5f} of {known['count']} right"], 0 if _right(known) else 1
             )
+        if tables:
+            rows = _tables(tables)
+            return Answer({"tables": rows}, [_table_lines(rows)])
         result = _examples(out)
         return Answer(result, [_lines(result)], 0 if result["met"] else 1)
 
     raise typer.Exit(answer_of(work, as_json))
+
+
+def cooked_scene(scene: Path, out: Path, samples: int = SAMPLES) -> Answer:
+    """Cooks the rigid scene into `out`.  Raises InputError."""
+    result = _cooked(scene, out, samples)
+    line = f"{result['rigid']}: {result['bytes']} bytes, {result['formations']} formations"
+    return Answer(result, [line])
 
 
 def _right(known: dict[str, Any]) -> bool:
@@ -125,6 +143,27 @@ def _examples(out: Path | None) -> dict[str, Any]:
             }
         )
     return {"examples": rows, "met": all(o["met"] for row in rows for o in row["outcomes"])}
+
+
+def _tables(samples: int) -> list[dict[str, Any]]:
+    from palpate.author.rigid.examples import EXAMPLES
+    from palpate.author.rigid.formations import formation_coverage, formation_table
+
+    rows = []
+    for name, make in EXAMPLES.items():
+        held, fixed = make().held, make().fixed
+        table = formation_table(held, fixed, samples=samples)
+        covered = formation_coverage(held, fixed, table, samples=samples)
+        rows.append({"name": name, "formations": len(table.formations), "drawn": table.poses} | covered)
+    return rows
+
+
+def _table_lines(rows: list[dict[str, Any]]) -> str:
+    return "\n".join(
+        f"{r['name']}: {r['formations']} formations of {r['drawn']} poses; of {r['poses']} others {r['found']:.4f} "
+        f"are in the table, {r['noisy']:.4f} with noise"
+        for r in rows
+    )
 
 
 def _percentiles(values: np.ndarray) -> dict[str, float]:

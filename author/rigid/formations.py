@@ -13,13 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from palpate.author.rigid.body import Body
 from palpate.author.rigid.cook import cooked_rigid
 from palpate.author.rigid.law import LUO_XIAO, Law
 from palpate.runtime.rigid import Rigid
 
-__all__ = ["FormationTable", "formation_table", "keys_of", "quaternion"]
+__all__ = ["FormationTable", "formation_coverage", "formation_table", "keys_of", "quaternion"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +41,44 @@ def formation_table(
 ) -> FormationTable:
     """Searches valid formations with `samples` drawn poses."""
     exact = Rigid(cooked_rigid(held, fixed, 1.0, law))
+    seen: set[tuple[int, ...]] = set()
+    order = []
+    for keys in _valid(exact.identify(*_touching(held, fixed, law, samples, seed))):
+        if keys is not None:
+            order.append(keys not in seen)
+            seen.add(keys)
+    last = order[-max(1, len(order) // 4) :]
+    return FormationTable(tuple(sorted(seen)), float(np.mean(last)) if last else 0.0, len(order))
+
+
+def formation_coverage(
+    held: Body, fixed: Body, table: FormationTable, law: Law = LUO_XIAO, samples: int = 20_000, seed: int = 2
+) -> dict[str, float]:
+    """How often poses drawn anew have a formation of the table.
+
+    Returns:
+        poses: valid ones in contact.  found: fraction of them with a formation of the table; noisy: the same after the
+        pose is moved by up to a tenth of eps by translation, and as much by rotation, among those still in contact.
+    """
+    exact, known = Rigid(cooked_rigid(held, fixed, 1.0, law)), set(table.formations)
+    position, orientation = _touching(held, fixed, law, samples, seed)
+    keys = _valid(exact.identify(position, orientation))
+    there = np.array([k is not None for k in keys], dtype=bool)
+    rng = np.random.default_rng(seed)
+    radius = max(float(np.linalg.norm(e.ball[0] - held.centre)) + e.ball[1] for e in held.elements)
+    push, turn = (_within_ball(int(there.sum()), rng) * 0.1 * law.threshold for _ in range(2))
+    turned = Rotation.from_rotvec(turn / radius) * Rotation.from_quat(orientation[there])
+    moved = exact.identify(position[there] + push, turned.as_quat())
+    noisy = [keys_of(row) in known for row in moved if row["contact_count"]]
+    return {
+        "poses": int(there.sum()),
+        "found": float(np.mean([k in known for k in keys if k is not None])) if there.any() else 0.0,
+        "noisy": float(np.mean(noisy)) if noisy else 0.0,
+    }
+
+
+def _touching(held: Body, fixed: Body, law: Law, samples: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Drawn poses, some of whose near contacts are drawn together to half of eps."""
     small = min(held.smallest, fixed.smallest)
     wide = replace(
         law, threshold=min(6 * law.threshold, 0.3 * small), depth_max=min(6 * law.threshold, 0.4 * small)
@@ -51,19 +90,24 @@ def formation_table(
     for _ in range(14):
         found = search.identify(position, orientation)
         position, orientation = _drawn_together(found, position, orientation, 0.5 * law.threshold, rng)
-    seen: dict[tuple[int, ...], int] = {}
-    order = []
-    found = exact.identify(position, orientation)
-    for row in found:
-        count = row["contact_count"]
-        gaps = row["contact"]["gap"][:count]
-        if count == 0 or row["status"] != 0 or gaps.min() < 0:
-            continue
-        keys = keys_of(row)
-        order.append(keys not in seen)
-        seen[keys] = seen.get(keys, 0) + 1
-    last = order[-max(1, len(order) // 4) :]
-    return FormationTable(tuple(sorted(seen)), float(np.mean(last)) if last else 0.0, len(order))
+    return position, orientation
+
+
+def _valid(found: np.ndarray) -> list[tuple[int, ...] | None]:
+    """Formations of poses that touch without going below zero gap; None of the others."""
+    return [
+        keys_of(row)
+        if row["contact_count"]
+        and row["status"] == 0
+        and row["contact"]["gap"][: row["contact_count"]].min() >= 0
+        else None
+        for row in found
+    ]
+
+
+def _within_ball(count: int, rng: np.random.Generator) -> np.ndarray:
+    v = rng.normal(size=(count, 3))
+    return v / np.linalg.norm(v, axis=1)[:, None] * rng.random((count, 1)) ** (1 / 3)
 
 
 def keys_of(response: np.void) -> tuple[int, ...]:
@@ -79,15 +123,11 @@ def keys_of(response: np.void) -> tuple[int, ...]:
 
 def quaternion(matrix: np.ndarray) -> np.ndarray:
     """(n, 4) x y z w of rotation matrices (n, 3, 3)."""
-    from scipy.spatial.transform import Rotation
-
     return Rotation.from_matrix(matrix).as_quat()
 
 
 def _drawn(held: Body, fixed: Body, samples: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """Poses with one of the held body's elements near one of the fixed body's, half of them lined up."""
-    from scipy.spatial.transform import Rotation
-
     rotation = Rotation.random(samples, rng).as_matrix()
     ours = np.array([_direction(e) for e in held.elements])
     theirs = np.array([_direction(e) for e in fixed.elements])
@@ -122,8 +162,6 @@ def _frame(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 def _drawn_together(found, position, orientation, gap, rng):
     """One Gauss-Newton step towards `gap` at contacts taken with probability 0.8; turns are small."""
-    from scipy.spatial.transform import Rotation
-
     contacts = found["contact"]
     there = (np.arange(8) < found["contact_count"][:, None]) & (rng.random(contacts.shape) < 0.8)
     arm = contacts["point"] - position[:, None]

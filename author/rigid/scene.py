@@ -37,7 +37,7 @@ from palpate.author.scene_problems import table_problems
 from palpate.author.scene_tables import SceneHead
 from palpate.author.scene_types import Direction, Point, Quantity, SurfaceFile, Table
 
-__all__ = ["RigidScene", "load_rigid_scene"]
+__all__ = ["RigidScene", "is_rigid_scene", "load_rigid_scene"]
 
 Length = Annotated[float, Quantity("length", above=0)]
 Angle = Annotated[float, Quantity("angle", above=0, below=1.5)]
@@ -209,6 +209,15 @@ class RigidScene(Table):
         return held, combined(
             [p.body(f"rigid.fixed[{i}]", str(self.file)) for i, p in enumerate(self.rigid.fixed)]
         )
+
+
+def is_rigid_scene(path: Path) -> bool:
+    """Whether the scene file asks for rigid contact and nothing else; False where it cannot be read."""
+    try:
+        head = tomllib.loads(path.read_text(encoding="utf-8")).get("scene", {})
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return False
+    return isinstance(head, dict) and head.get("effects") == ["rigid"]
 
 
 def load_rigid_scene(path: Path) -> RigidScene:

@@ -63,6 +63,16 @@ def test_the_shipped_rigid_scene_is_cooked_and_opens(tmp_path, capsys):
     assert out.dtype == RESPONSE and out["contact_count"][0] == 1 and answer["formations"] > 0
 
 
+def test_author_cooks_a_rigid_scene(tmp_path, capsys):
+    text = SCENE.read_text().replace('shape = "sphere"', 'shape = "blob"')
+    (tmp_path / "wrong.toml").write_text(text)
+    assert main(["author", str(tmp_path / "wrong.toml"), "--out", str(tmp_path / "out")]) == 2
+    assert "shape" in capsys.readouterr().err
+    assert main(["author", str(SCENE), "--out", str(tmp_path), "--json"]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["formations"] > 0 and (tmp_path / "ball_on_bars.rigid").stat().st_size == answer["bytes"]
+
+
 @pytest.mark.parametrize(
     ("change", "says"),
     [

@@ -154,27 +154,13 @@ def _check(held: Body, fixed: Body, mass: float, law: Law) -> None:
 
 
 def require_pair(a: Element, b: Element) -> None:
-    """Raises InputError for two curved surfaces whose contact nothing here finds."""
-    kinds = {a.kind, b.kind}
-    x, y = sorted((a, b), key=lambda e: KINDS.index(e.kind))
-    fits = True
-    if x.kind in ("cone", "torus", "paraboloid"):  # and y too
-        fits = _cavity(x) or _cavity(y)
-        fits = fits and "torus" not in kinds
-    elif y.kind == "torus" and x.kind in ("circle", "cylinder", "sphere"):
-        fits = not _cavity(x)
-        fits = fits and x.kind != "circle"
-    elif x.kind == "segment" and _cavity(y):
-        fits = True  # ends of an edge meet a hollow before its middle does
-    if any(_cavity(p) and q.kind == "paraboloid" and not _cavity(q) for p, q in ((x, y), (y, x))):
-        fits = False  # round against hollow, neither an offset of a point or line
-    if _cavity(x) and _cavity(y):
-        fits = True  # hollows do not touch
-    if not fits:
-        what = (
-            f"asks for contact of a {a.kind} with a {b.kind}, whose distance is not computed in this version"
-        )
-        raise _refused("rigid", what, "other shapes for one of the two")
+    """Raises InputError for two curved surfaces whose contact nothing here finds: a solid paraboloid in a hollow."""
+    for round_one, other in ((a, b), (b, a)):
+        if round_one.kind == "paraboloid" and not _cavity(round_one) and _cavity(other):
+            what = (
+                f"asks for contact of a paraboloid with a hollow {other.kind}, whose distance is not computed"
+            )
+            raise _refused("rigid", what, "other shapes for one of the two")
 
 
 def _cavity(e: Element) -> bool:
@@ -192,7 +178,9 @@ def _touch(a: Element, b: Element) -> bool:
         return y in ("sphere", "torus", "paraboloid")
     if _cavity(a) and _cavity(b):
         return False
-    return x not in ("cone", "torus", "paraboloid")
+    if x in ("cone", "torus", "paraboloid") and "torus" not in (x, y):
+        return not (_cavity(a) or _cavity(b))  # rims and apices meet first
+    return True
 
 
 def _region(a: str, b: str) -> int:
@@ -202,7 +190,7 @@ def _region(a: str, b: str) -> int:
         return 2
     if pair & {"segment", "cylinder", "cone"} and pair & set(_FLAT):
         return 1
-    return 1 if pair in ({"cylinder"}, {"cylinder", "segment"}) else 0
+    return 1 if pair in ({"cylinder"}, {"cylinder", "segment"}, {"cone"}) else 0
 
 
 def _beside(elements: list[Element], first: list[int], i: int) -> set[int]:

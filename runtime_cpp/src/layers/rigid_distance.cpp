@@ -271,19 +271,17 @@ void along_segment(double length, const Function& f, const Visit& at) noexcept {
     }
 }
 
-void on_circle(const placed& s, const double side[3], double c, double sn, double radial[3], double p[3]) noexcept {
-    for (int i = 0; i < 3; ++i) radial[i] = c * s.across[i] + sn * side[i];
-    along(s.centre, s.e->radius, radial, p);
-}
-
-// Calls at(radial, p) for the two lowest local minima of f(p) on the circle.
+// Calls at(radial) for the two lowest local minima of f(radial), radial: unit, across the axis of s.
 template <class Function, class Visit>
-void along_circle(const placed& s, const Function& f, const Visit& at) noexcept {
-    double side[3], radial[3], p[3], value[16];
+void around_axis(const placed& s, const Function& f, const Visit& at) noexcept {
+    double side[3], radial[3], value[16];
     cross(s.axis, s.across, side);
+    const auto turned = [&](double c, double sn) {
+        for (int i = 0; i < 3; ++i) radial[i] = c * s.across[i] + sn * side[i];
+    };
     for (int k = 0; k < 16; ++k) {
-        on_circle(s, side, around[k][0], around[k][1], radial, p);
-        value[k] = f(p);
+        turned(around[k][0], around[k][1]);
+        value[k] = f(radial);
     }
     int best[2] = {-1, -1};
     for (int k = 0; k < 16; ++k) {
@@ -297,14 +295,22 @@ void along_circle(const placed& s, const Function& f, const Visit& at) noexcept 
     }
     for (int b : best) {
         if (b < 0) continue;
-        const auto at_tangent = [&](double t, double r[3], double x[3]) {
+        const auto at_tangent = [&](double t) {
             const double w = 1.0 / (1.0 + t * t), c = (1.0 - t * t) * w, sn = 2.0 * t * w;
-            on_circle(s, side, around[b][0] * c - around[b][1] * sn, around[b][1] * c + around[b][0] * sn, r, x);
+            turned(around[b][0] * c - around[b][1] * sn, around[b][1] * c + around[b][0] * sn);
         };
-        const double t = golden([&](double u) { at_tangent(u, radial, p); return f(p); }, -tangent_sixteenth, tangent_sixteenth);
-        at_tangent(t, radial, p);
-        at(radial, p);
+        const double t = golden([&](double u) { at_tangent(u); return f(radial); }, -tangent_sixteenth, tangent_sixteenth);
+        at_tangent(t);
+        at(radial);
     }
+}
+
+// Calls at(radial, p) for the two lowest local minima of f(p) on the circle.
+template <class Function, class Visit>
+void along_circle(const placed& s, const Function& f, const Visit& at) noexcept {
+    double p[3];
+    const auto there = [&](const double radial[3]) { along(s.centre, s.e->radius, radial, p); };
+    around_axis(s, [&](const double radial[3]) { there(radial); return f(p); }, [&](const double radial[3]) { there(radial); at(radial, p); });
 }
 
 // ---- pairs ----
@@ -540,6 +546,160 @@ void plane_paraboloid(const search& q, const placed& x, const placed& y, bool x_
     if (to_surface(q, x, p, gap, m)) emit(q, y, x, !x_held, p, m, gap);
 }
 
+// A torus (x) against any surface (y): its circle against that surface, offset by the tube's radius.
+void torus_surface(const search& q, const placed& x, const placed& y, bool x_held) noexcept {
+    double n[3];
+    const auto gap_at = [&](const double p[3]) {
+        double gap;
+        return to_surface(q, y, p, gap, n) ? gap : nothing;
+    };
+    along_circle(x, gap_at, [&](const double*, const double p[3]) {
+        const double gap = gap_at(p);
+        if (!(gap < nothing)) return;
+        double on[3];
+        along(p, -x.e->size, n, on);
+        emit(q, x, y, x_held, on, n, gap - x.e->size);
+    });
+}
+
+void cone_normal(const placed& s, const double radial[3], double n[3]) noexcept {
+    for (int i = 0; i < 3; ++i) n[i] = s.e->cosine * radial[i] - s.e->size * s.e->cosine * s.axis[i];
+}
+
+// A cone (x) against a solid paraboloid (y).  Tangent planes of the cone are one family, each with one parallel plane of the paraboloid: the
+// two planes are farthest apart where the paraboloid's point lies over the plane's own generator.
+void cone_paraboloid(const search& q, const placed& x, const placed& y, bool x_held) noexcept {
+    double n[3], b[3];
+    const auto facing = [&](const double radial[3]) {  // b: where y's normal is -n
+        cone_normal(x, radial, n);
+        const double nz = dot(n, y.axis), c = y.e->size;
+        if (!(nz > 1e-6)) return false;
+        double flat[3];
+        along(n, -nz, y.axis, flat);
+        const double k = -1.0 / (2.0 * c * nz), height = c * k * k * dot(flat, flat);
+        if (height > y.e->high) return false;
+        along(y.centre, k, flat, b);
+        along(b, height, y.axis, b);
+        return true;
+    };
+    const auto apart = [&](const double radial[3]) {
+        if (!facing(radial)) return nothing;
+        double w[3];
+        subtract(b, x.centre, w);
+        return -dot(w, n);
+    };
+    around_axis(x, apart, [&](const double radial[3]) {
+        const double gap = -apart(radial);
+        if (!(gap > -nothing)) return;
+        double foot[3];
+        subtract(b, x.centre, foot);
+        along(foot, -gap, n, foot);
+        const double height = dot(foot, x.axis), slant = height / x.e->cosine;
+        double off[3];  // from the plane's own generator: not zero where the search ended at a rim
+        for (int i = 0; i < 3; ++i) {
+            const double g = x.e->cosine * x.axis[i] + x.e->size * x.e->cosine * radial[i];
+            off[i] = foot[i] - slant * g;
+        }
+        if (height >= x.e->low && height <= x.e->high && norm(off) < q.slack) emit(q, y, x, !x_held, b, n, gap);
+    });
+}
+
+// Two cones: a normal n that both allow, n . a_x = -sin, n . a_y = sin of their half angles (two of them), and where the generators cross.
+void cone_cone(const search& q, const placed& x, const placed& y, bool x_held) noexcept {
+    const double sx = x.e->size * x.e->cosine, sy = y.e->size * y.e->cosine, c = dot(x.axis, y.axis), det = 1.0 - c * c;
+    if (det < 1e-9) return;  // along one axis rims and apices meet first
+    const double alpha = (-sx - c * sy) / det, beta = (sy + c * sx) / det;
+    const double rest = (1.0 - alpha * alpha - beta * beta - 2.0 * alpha * beta * c) / det;
+    if (rest < -1e-9) return;
+    double third[3];
+    cross(x.axis, y.axis, third);
+    const double size = rest > 0.0 ? std::sqrt(rest) : 0.0;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        double n[3], gx[3], gy[3], w[3];
+        for (int i = 0; i < 3; ++i) {
+            n[i] = alpha * x.axis[i] + beta * y.axis[i] + sign * size * third[i];
+            gx[i] = x.e->cosine * x.axis[i] + x.e->size * (n[i] + sx * x.axis[i]);
+            gy[i] = y.e->cosine * y.axis[i] + y.e->size * (-n[i] + sy * y.axis[i]);
+        }
+        subtract(y.centre, x.centre, w);
+        const double gap = dot(w, n), b = dot(gx, gy), d = dot(gx, w), e = dot(gy, w), square = 1.0 - b * b;
+        const double low_x = x.e->low / x.e->cosine, high_x = x.e->high / x.e->cosine;
+        const double low_y = y.e->low / y.e->cosine, high_y = y.e->high / y.e->cosine;
+        const double shorter = high_x - low_x < high_y - low_y ? high_x - low_x : high_y - low_y;
+        if (square * shorter * shorter < q.reach * q.reach) {  // along each other: both ends of what they share
+            double across[3];
+            along(w, -gap, n, across);
+            along(across, -d, gx, across);
+            if (norm(across) > q.reach) continue;
+            const double near = b > 0.0 ? d + low_y : d - high_y, far = b > 0.0 ? d + high_y : d - low_y;
+            const double from = near > low_x ? near : low_x, to = far < high_x ? far : high_x;
+            if (!(to > from)) continue;
+            for (int end = 0; end < 2; ++end) {
+                double p[3];
+                along(x.centre, end == 0 ? from : to, gx, p);
+                const double out[3] = {-n[0], -n[1], -n[2]};
+                emit(q, x, y, x_held, p, out, gap);
+            }
+            continue;
+        }
+        const double t = (d - b * e) / square, u = (b * d - e) / square;
+        if (t < low_x || t > high_x || u < low_y || u > high_y) continue;
+        double p[3];
+        along(x.centre, t, gx, p);
+        const double out[3] = {-n[0], -n[1], -n[2]};
+        emit(q, x, y, x_held, p, out, gap);
+        if (size == 0.0) break;
+    }
+}
+
+// Two solid paraboloids: the point of x nearest to y, by Newton's method on its two coordinates.
+void paraboloid_paraboloid(const search& q, const placed& x, const placed& y, bool x_held) noexcept {
+    const double c = x.e->size, rim = std::sqrt(x.e->high / c), h = 1e-4 * rim;
+    double side[3], p[3], n[3];
+    cross(x.axis, x.across, side);
+    const auto gap_at = [&](double u, double v) {
+        along(x.centre, u, x.across, p);
+        along(p, v, side, p);
+        along(p, c * (u * u + v * v), x.axis, p);
+        double gap;
+        return to_surface(q, y, p, gap, n) ? gap : nothing;
+    };
+    double best[2] = {0.0, 0.0}, least = gap_at(0.0, 0.0);
+    for (int ring = 1; ring <= 3; ++ring) {
+        for (int k = 0; k < 16; k += 2) {
+            const double u = 0.3 * ring * rim * around[k][0], v = 0.3 * ring * rim * around[k][1], gap = gap_at(u, v);
+            if (gap < least) {
+                least = gap;
+                best[0] = u;
+                best[1] = v;
+            }
+        }
+    }
+    if (!(least < nothing)) return;
+    double steepest = 1.0;
+    for (int step = 0; step < 12; ++step) {
+        const double u = best[0], v = best[1], f = gap_at(u, v);
+        const double r = gap_at(u + h, v), l = gap_at(u - h, v), t = gap_at(u, v + h), b = gap_at(u, v - h), rt = gap_at(u + h, v + h);
+        if (!(r < nothing && l < nothing && t < nothing && b < nothing && rt < nothing)) return;
+        const double gu = (r - l) / (2.0 * h), gv = (t - b) / (2.0 * h);
+        const double uu = (r - 2.0 * f + l) / (h * h), vv = (t - 2.0 * f + b) / (h * h), uv = (rt - r - t + f) / (h * h);
+        steepest = std::sqrt(gu * gu + gv * gv);
+        const double det = uu * vv - uv * uv;
+        if (steepest < 1e-7 || !(det > 1e-9) || !(uu > 0.0)) break;
+        double du = (uv * gv - vv * gu) / det, dv = (uv * gu - uu * gv) / det;
+        const double far = std::sqrt(du * du + dv * dv), longest = 0.25 * rim;
+        if (far > longest) {
+            du *= longest / far;
+            dv *= longest / far;
+        }
+        best[0] += du;
+        best[1] += dv;
+    }
+    if (steepest > 1e-4 || best[0] * best[0] + best[1] * best[1] > rim * rim) return;
+    const double gap = gap_at(best[0], best[1]);
+    if (gap < nothing) emit(q, x, y, x_held, p, n, gap);
+}
+
 void touch_pair(const search& q, const placed& a, const placed& b) noexcept {
     const bool a_held = true, first = a.e->kind <= b.e->kind;
     const placed &x = first ? a : b, &y = first ? b : a;
@@ -567,15 +727,29 @@ void touch_pair(const search& q, const placed& a, const placed& b) noexcept {
             break;
         case rigid_sphere:
             if (x.e->side > 0) point_surface(q, x, y, x_held, x.centre, x.e->radius);
+            else if (ky == rigid_torus) torus_surface(q, y, x, !x_held);
             else if (ky == rigid_sphere && y.e->side > 0) point_surface(q, y, x, !x_held, y.centre, y.e->radius);
             break;
         case rigid_cylinder:
-            if (x.e->side < 0) break;
+            if (x.e->side < 0) {
+                if (ky == rigid_torus) torus_surface(q, y, x, !x_held);
+                break;
+            }
             if (ky == rigid_cylinder && y.e->side > 0) segment_segment(q, x, y, x_held);
             else if (ky == rigid_torus) segment_circle(q, x, y, x_held);
             else if (y.e->side > 0 && (ky == rigid_cone || ky == rigid_paraboloid)) segment_surface(q, x, y, x_held);
             break;
-        default: break;  // refused when cooked
+        case rigid_cone:
+            if (ky == rigid_torus) torus_surface(q, y, x, !x_held);
+            else if (x.e->side < 0 || y.e->side < 0) break;  // rims meet first
+            else if (ky == rigid_cone) cone_cone(q, x, y, x_held);
+            else if (ky == rigid_paraboloid) cone_paraboloid(q, x, y, x_held);
+            break;
+        case rigid_torus: torus_surface(q, x, y, x_held); break;
+        case rigid_paraboloid:
+            if (x.e->side > 0 && y.e->side > 0) paraboloid_paraboloid(q, x, y, x_held);
+            break;
+        default: break;
     }
 }
 

@@ -154,7 +154,10 @@ def _check(held: Body, fixed: Body, mass: float, law: Law) -> None:
 
 
 def require_pair(a: Element, b: Element) -> None:
-    """Raises InputError for two curved surfaces whose contact nothing here finds: a solid paraboloid in a hollow."""
+    """Raises InputError for curved surfaces whose contact nothing finds: two cones, a solid paraboloid in a hollow."""
+    if a.kind == b.kind == "cone" and not (_cavity(a) or _cavity(b)):
+        what = "asks for contact of a cone with a cone, whose distance is not computed"
+        raise _refused("rigid", what, "other shapes for one of the two")
     for round_one, other in ((a, b), (b, a)):
         if round_one.kind == "paraboloid" and not _cavity(round_one) and _cavity(other):
             what = (
@@ -179,7 +182,7 @@ def _touch(a: Element, b: Element) -> bool:
     if _cavity(a) and _cavity(b):
         return False
     if x in ("cone", "torus", "paraboloid") and "torus" not in (x, y):
-        return not (_cavity(a) or _cavity(b))  # rims and apices meet first
+        return y == "paraboloid" and not (_cavity(a) or _cavity(b))  # of others rims and apices meet first
     return True
 
 
@@ -190,7 +193,7 @@ def _region(a: str, b: str) -> int:
         return 2
     if pair & {"segment", "cylinder", "cone"} and pair & set(_FLAT):
         return 1
-    return 1 if pair in ({"cylinder"}, {"cylinder", "segment"}, {"cone"}) else 0
+    return 1 if pair in ({"cylinder"}, {"cylinder", "segment"}) else 0
 
 
 def _beside(elements: list[Element], first: list[int], i: int) -> set[int]:

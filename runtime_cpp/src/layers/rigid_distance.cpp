@@ -553,10 +553,11 @@ void torus_surface(const search& q, const placed& x, const placed& y, bool x_hel
         double gap;
         return to_surface(q, y, p, gap, n) ? gap : nothing;
     };
-    along_circle(x, gap_at, [&](const double*, const double p[3]) {
+    along_circle(x, gap_at, [&](const double radial[3], const double p[3]) {
         const double gap = gap_at(p);
-        if (!(gap < nothing)) return;
-        double on[3];
+        double on[3], tangent[3];
+        cross(x.axis, radial, tangent);
+        if (!(gap < nothing) || std::fabs(dot(n, tangent)) > 1e-3) return;  // the search ended at that surface's rim
         along(p, -x.e->size, n, on);
         emit(q, x, y, x_held, on, n, gap - x.e->size);
     });
@@ -602,54 +603,6 @@ void cone_paraboloid(const search& q, const placed& x, const placed& y, bool x_h
         }
         if (height >= x.e->low && height <= x.e->high && norm(off) < q.slack) emit(q, y, x, !x_held, b, n, gap);
     });
-}
-
-// Two cones: a normal n that both allow, n . a_x = -sin, n . a_y = sin of their half angles (two of them), and where the generators cross.
-void cone_cone(const search& q, const placed& x, const placed& y, bool x_held) noexcept {
-    const double sx = x.e->size * x.e->cosine, sy = y.e->size * y.e->cosine, c = dot(x.axis, y.axis), det = 1.0 - c * c;
-    if (det < 1e-9) return;  // along one axis rims and apices meet first
-    const double alpha = (-sx - c * sy) / det, beta = (sy + c * sx) / det;
-    const double rest = (1.0 - alpha * alpha - beta * beta - 2.0 * alpha * beta * c) / det;
-    if (rest < -1e-9) return;
-    double third[3];
-    cross(x.axis, y.axis, third);
-    const double size = rest > 0.0 ? std::sqrt(rest) : 0.0;
-    for (int sign = -1; sign <= 1; sign += 2) {
-        double n[3], gx[3], gy[3], w[3];
-        for (int i = 0; i < 3; ++i) {
-            n[i] = alpha * x.axis[i] + beta * y.axis[i] + sign * size * third[i];
-            gx[i] = x.e->cosine * x.axis[i] + x.e->size * (n[i] + sx * x.axis[i]);
-            gy[i] = y.e->cosine * y.axis[i] + y.e->size * (-n[i] + sy * y.axis[i]);
-        }
-        subtract(y.centre, x.centre, w);
-        const double gap = dot(w, n), b = dot(gx, gy), d = dot(gx, w), e = dot(gy, w), square = 1.0 - b * b;
-        const double low_x = x.e->low / x.e->cosine, high_x = x.e->high / x.e->cosine;
-        const double low_y = y.e->low / y.e->cosine, high_y = y.e->high / y.e->cosine;
-        const double shorter = high_x - low_x < high_y - low_y ? high_x - low_x : high_y - low_y;
-        if (square * shorter * shorter < q.reach * q.reach) {  // along each other: both ends of what they share
-            double across[3];
-            along(w, -gap, n, across);
-            along(across, -d, gx, across);
-            if (norm(across) > q.reach) continue;
-            const double near = b > 0.0 ? d + low_y : d - high_y, far = b > 0.0 ? d + high_y : d - low_y;
-            const double from = near > low_x ? near : low_x, to = far < high_x ? far : high_x;
-            if (!(to > from)) continue;
-            for (int end = 0; end < 2; ++end) {
-                double p[3];
-                along(x.centre, end == 0 ? from : to, gx, p);
-                const double out[3] = {-n[0], -n[1], -n[2]};
-                emit(q, x, y, x_held, p, out, gap);
-            }
-            continue;
-        }
-        const double t = (d - b * e) / square, u = (b * d - e) / square;
-        if (t < low_x || t > high_x || u < low_y || u > high_y) continue;
-        double p[3];
-        along(x.centre, t, gx, p);
-        const double out[3] = {-n[0], -n[1], -n[2]};
-        emit(q, x, y, x_held, p, out, gap);
-        if (size == 0.0) break;
-    }
 }
 
 // Two solid paraboloids: the point of x nearest to y, by Newton's method on its two coordinates.
@@ -742,7 +695,6 @@ void touch_pair(const search& q, const placed& a, const placed& b) noexcept {
         case rigid_cone:
             if (ky == rigid_torus) torus_surface(q, y, x, !x_held);
             else if (x.e->side < 0 || y.e->side < 0) break;  // rims meet first
-            else if (ky == rigid_cone) cone_cone(q, x, y, x_held);
             else if (ky == rigid_paraboloid) cone_paraboloid(q, x, y, x_held);
             break;
         case rigid_torus: torus_surface(q, x, y, x_held); break;

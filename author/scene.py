@@ -115,8 +115,8 @@ def load_scene(path: Path | str) -> Scene:
             problems.append(InputProblem(str(path), key, written(raw, key, value), what, expected))
     if problems:
         raise InputError(problems)
-    lists = {key: tuple(tables.pop(key).values()) for key in ("tool", "texture")}
-    scene = Scene(**tables, **lists, file=path)
+    tools, textures = (tuple(tables.pop(key).values()) for key in ("tool", "texture"))
+    scene = Scene(**tables, tool=tools, texture=textures, file=path)
     scene._written = raw
     return scene
 

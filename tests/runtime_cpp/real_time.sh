@@ -31,7 +31,7 @@ if [ ${#compiler[@]} -eq 0 ]; then
 fi
 echo "function effects by ${compiler[*]}: $("${compiler[@]}" --version | head -n 1)"
 failed=0
-for source in src/*.cpp; do
+for source in src/*.cpp src/layers/*.cpp; do
   flags=(-std=c++17 -ffp-contract=off -Iinclude -Isrc -DPALPATE_HAS_AVX2 '-DPALPATE_VERSION_TEXT="effects"')
   [[ $source == *avx2* ]] && flags+=(-mavx2)
   "${compiler[@]}" "${flags[@]}" -Wfunction-effects -Werror -c "$source" -o "$work/o" || failed=1

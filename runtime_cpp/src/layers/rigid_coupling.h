@@ -55,10 +55,10 @@ struct rigid_step {
 };
 
 // m += k j j^T, j = (d, arm x d): a spring along d at `arm` from the centre.
-void rigid_add_point(rigid_matrix& m, const double d[3], const double arm[3], double k) noexcept;
+void rigid_add_point(rigid_matrix& m, const double d[3], const double arm[3], double k) PALPATE_REAL_TIME;
 
 // The step with all of the coupling times `part` (0 to 1).
-void rigid_advance(const rigid_drive& drive, const rigid_coupling& coupling, double part, double dt, rigid_step& step) noexcept;
+void rigid_advance(const rigid_drive& drive, const rigid_coupling& coupling, double part, double dt, rigid_step& step) PALPATE_REAL_TIME;
 
 inline double rigid_spring_energy(const rigid_coupling& c, const double stretch[3], const double turn[3]) noexcept {
     return 0.5 * (c.stiffness * dot(stretch, stretch) + c.turn_stiffness * dot(turn, turn));

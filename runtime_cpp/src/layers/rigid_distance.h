@@ -29,7 +29,7 @@ struct rigid_touches {
 };
 
 // All elementary contacts with -deepest <= gap <= reach of the held object at `pose`.
-void rigid_find_touches(const palpate_rigid& scene, const rigid_pose& pose, double reach, double deepest, rigid_touches& found) noexcept;
+void rigid_find_touches(const palpate_rigid& scene, const rigid_pose& pose, double reach, double deepest, rigid_touches& found) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

@@ -32,10 +32,10 @@ struct rigid_keys {
 };
 
 // Principal contacts among `touches`; `last`: those of the tick before, kept up to (1 + hysteresis) eps.
-void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, const rigid_keys& last, rigid_contacts& found) noexcept;
+void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, const rigid_keys& last, rigid_contacts& found) PALPATE_REAL_TIME;
 
 // Place of the formation in the table of valid ones; 0xffffffff: not there, or no table.
-std::uint32_t rigid_formation_index(const palpate_rigid& scene, const rigid_contacts& contacts) noexcept;
+std::uint32_t rigid_formation_index(const palpate_rigid& scene, const rigid_contacts& contacts) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

@@ -33,7 +33,7 @@ struct rigid_friction_force {
 // Takes the state through one tick: `moved` is the touching material's step along the contact plane (m), `turned` its turn about the
 // normal (rad).  `kinetic_allowed`: 0 where the motion's type says that the contact rests (equation 4 instead of 5).
 rigid_friction_force rigid_rub(const rigid_header& law, const rigid_principal& pc, double normal_force, const double moved[3],
-                               double turned, double dt, bool kinetic_allowed, rigid_grip& grip) noexcept;
+                               double turned, double dt, bool kinetic_allowed, rigid_grip& grip) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

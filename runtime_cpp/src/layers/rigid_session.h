@@ -58,31 +58,31 @@ inline bool rigid_has_coupling(const palpate_rigid_session& s) noexcept { return
 
 inline double rigid_reach(const rigid_header& h) noexcept { return h.threshold * (1.0 + h.hysteresis); }
 
-void rigid_release(palpate_rigid_session& s) noexcept;
+void rigid_release(palpate_rigid_session& s) PALPATE_REAL_TIME;
 
 // Whether a look between the last place and `to` met something that neither end shows; or the way is too long to look along.
-bool rigid_passed_something(const palpate_rigid_session& s, const rigid_place& to, double step, rigid_touches& touches) noexcept;
+bool rigid_passed_something(const palpate_rigid_session& s, const rigid_place& to, double step, rigid_touches& touches) PALPATE_REAL_TIME;
 
 // What the object touches at a place, and the status that this gives; `step`: m, of its farthest point since the last tick.
 std::uint32_t rigid_meet(palpate_rigid_session& s, const rigid_pose& pose, double step, std::uint32_t status, rigid_touches& touches,
-                         rigid_contacts& now) noexcept;
+                         rigid_contacts& now) PALPATE_REAL_TIME;
 
 // Motion type, forces and friction of the formation; fills contact_force, contact_torque and the session's contacts.
 void rigid_render(palpate_rigid_session& s, const rigid_contacts& now, const rigid_place& to, const rigid_pose& pose, const double moved[3],
-                  const double turned[3], double dt, palpate_rigid_response& out) noexcept;
+                  const double turned[3], double dt, palpate_rigid_response& out) PALPATE_REAL_TIME;
 
-void rigid_tell_contact(const rigid_principal& pc, const rigid_held_contact& c, double normal_force, palpate_rigid_contact& out) noexcept;
+void rigid_tell_contact(const rigid_principal& pc, const rigid_held_contact& c, double normal_force, palpate_rigid_contact& out) PALPATE_REAL_TIME;
 
 // Motion and accounts.
-void rigid_tell(const palpate_rigid_session& s, palpate_rigid_response& out) noexcept;
+void rigid_tell(const palpate_rigid_session& s, palpate_rigid_response& out) PALPATE_REAL_TIME;
 
 // Scales force and torque (about a point at -arm) to the device's limits.
-void rigid_limit(const palpate_rigid_session& s, double force[3], double torque[3], const double arm[3], std::uint32_t& status) noexcept;
+void rigid_limit(const palpate_rigid_session& s, double force[3], double torque[3], const double arm[3], std::uint32_t& status) PALPATE_REAL_TIME;
 
 // The tick of a coupled object: the device is at `device`, it `moved` and `turned` since the last tick; `status`: what that gave.
 std::uint32_t rigid_coupled_tick(palpate_rigid_session& s, const palpate_rigid_state& state, const rigid_place& device,
                                  const double moved[3], const double turned[3], std::uint32_t status,
-                                 palpate_rigid_response& out) noexcept;
+                                 palpate_rigid_response& out) PALPATE_REAL_TIME;
 
 }  // namespace palpate
 

@@ -59,6 +59,9 @@ def detectability(
 ) -> dict[str, Any]:
     """The chart, in `out`/detectability.png and .json.
 
+    A cell's "along" is its contrast at each depth to "reached" (m); its "contrast", that at the full depth, is None
+    where the press stopped before.
+
     Args:
         at: (3,) m, goes to the surface; the middle of the reach when None.
         tool: the scene's first when None.
@@ -123,9 +126,14 @@ def detectability(
     for index, outcome in outcomes.items():
         if index is None:
             continue
+        known = min(len(normals[index]), len(normals[None]))
+        contrast = normals[index][:known] / normals[None][:known] - 1.0
+        cells[index] |= {
+            "along": contrast.tolist(),
+            "reached": float(job.depths[known - 1]) if known else 0.0,
+        }
         if outcome.converged:
-            contrast = normals[index] / normals[None] - 1.0
-            cells[index] |= {"contrast": float(contrast[-1]), "along": contrast.tolist()}
+            cells[index]["contrast"] = float(contrast[-1])
         else:
             cells[index]["reason"] = str(outcome.values["reason"])
     result: dict[str, Any] = {
@@ -194,6 +202,8 @@ def detect_lines(result: dict[str, Any]) -> str:
     rows: dict[tuple[float, float], list[str]] = {}
     for cell in result["cells"]:
         shown = cell["reason"] if cell["contrast"] is None else f"{100 * cell['contrast']:.1f} %"
+        if cell["contrast"] is None and cell.get("along"):
+            shown = f"{100 * cell['along'][-1]:.1f} % {1e3 * cell['reached']:.2g} mm deep, where it {shown}"
         rows.setdefault((cell["stiffer"], cell["radius"]), []).append(f"{1e3 * cell['under']:g}: {shown}")
     for row in result["deepest_felt"]:
         key = (row["stiffer"], row["radius"])

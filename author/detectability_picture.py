@@ -28,6 +28,7 @@ def detectability_picture(path: Path, result: dict[str, Any]) -> None:
         figsize=(max(7.5, 4.6 * len(stiffer) + 1.2), 5.4), dpi=130, facecolor="white", layout="constrained"
     )
     jnd = 100.0 * result["just_noticeable"]
+    stopped = [cell for cell in result["cells"] if cell["contrast"] is None and cell.get("along")]
     panels = figure.subplots(1, len(stiffer), sharex=True, sharey=True, squeeze=False)[0]
     for axes, factor in zip(panels, stiffer, strict=True):
         axes.set_yscale("log")
@@ -41,6 +42,12 @@ def detectability_picture(path: Path, result: dict[str, Any]) -> None:
                 x, y = zip(*sorted(known), strict=True)
                 name = f"radius {1e3 * radius:g} mm"
                 axes.plot(x, y, "-" + MARKS[k % 6], color=COLOURS[k % 6], ms=6, lw=1.5, label=name)
+            for cell in stopped:
+                if (cell["radius"], cell["stiffer"]) == (radius, factor):
+                    at = (1e3 * cell["under"], max(LEAST, 100.0 * cell["along"][-1]))
+                    axes.plot(*at, MARKS[k % 6], color=COLOURS[k % 6], mfc="white", ms=6)
+                    axes.annotate(f"{1e3 * cell['reached']:.2g} mm deep", at, (6, 0), textcoords="offset points",
+                                  va="center", fontsize=8, color=INK)  # fmt: skip
         axes.axhspan(LEAST, jnd, color=QUIET, alpha=0.2, lw=0)
         axes.axhline(jnd, color=INK, lw=0.9)
         axes.set_title(
@@ -52,9 +59,9 @@ def detectability_picture(path: Path, result: dict[str, Any]) -> None:
         axes.tick_params(labelsize=8.5, colors=INK)
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     panels[0].set_ylabel("more force than without it, %", fontsize=9, color=INK)
-    panels[0].text(0.02, jnd, f"noticeable from {jnd:g} % on", transform=panels[0].get_yaxis_transform(),
-                   va="bottom", fontsize=8.5, color=INK)  # fmt: skip
-    shown = [100.0 * c["contrast"] for c in result["cells"] if c["contrast"] is not None]
+    panels[0].text(0.02, 0.97 * jnd, f"not noticeable below {jnd:g} %", transform=panels[0].get_yaxis_transform(),
+                   va="top", fontsize=8.5, color=INK)  # fmt: skip
+    shown = [100.0 * c["along"][-1] for c in result["cells"] if c.get("along")]
     panels[0].set_ylim(
         min([1.0, *(max(LEAST, 0.7 * value) for value in shown)]), max([20.0, *(1.4 * v for v in shown)])
     )
@@ -73,6 +80,7 @@ def detectability_picture(path: Path, result: dict[str, Any]) -> None:
         fontsize=11.5,
         color=INK,
     )
-    figure.supxlabel(fill("Modelled: " + result["modelled"] + ".", 110), fontsize=8, color=INK)
+    hollow = " Hollow: a press that stopped before its depth, at its last state." if stopped else ""
+    figure.supxlabel(fill(f"Modelled: {result['modelled']}.{hollow}", 110), fontsize=8, color=INK)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)

@@ -68,6 +68,23 @@ def test_a_cell_is_the_press_above_the_nodule_against_none(scene_file: Path, out
     assert result["fresh"] == 5 and again["fresh"] == 0
 
 
+def test_a_press_that_stops_is_told_as_deep_as_it_came(
+    scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stops(mesh, job, folder, progress=None):
+        arrays, values = lumpy(mesh, job, folder)
+        if mesh.regions:
+            arrays["force_vector"] = arrays["force_vector"][:4]
+            values |= {"converged": False, "reason": "stopped"}
+        return arrays, values
+
+    monkeypatch.setattr(press_solve, "solve", stops)
+    asked = {"under": (1e-3,), "radius": (2e-3,), "stiffer": (3.0,)}
+    (cell,) = detectability(load_scene(scene_file), tmp_path, **asked)["cells"]
+    assert cell["contrast"] is None and cell["reached"] == pytest.approx(3 / 10 * 2e-3)
+    assert cell["along"] == pytest.approx(3 * [0.2 * np.exp(-1 / 3)], rel=1e-3)
+
+
 def test_a_nodule_that_does_not_fit_is_said_not_pressed(scene_file: Path, out: Path, capsys) -> None:
     asked = ["--under", "2 mm,14 mm", "--radius", "3 mm", "--stiffer", "3"]
     assert main(["detect", str(scene_file), "--out", str(out), *asked, "--json"]) == 0

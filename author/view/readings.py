@@ -66,7 +66,8 @@ def missed_share(state: np.void) -> float:
 
 
 def table(tool: str, now: Readings, moves: int) -> str:
-    """HTML.  Its data attributes are for programs: tool, contact, slip, force N, depth m, ticks, missed, moves."""
+    """HTML.  Its data attributes are for programs: tool, contact, slip, slipped (ticks), force N, depth m, ticks,
+    missed, moves."""
     r, s = now.state["response"], now.state
     status = int(r["status"])
     bits = [bit for bit in (1 << i for i in range(16)) if status & bit and bit != Tick.SLIPPING]
@@ -100,7 +101,7 @@ def table(tool: str, now: Readings, moves: int) -> str:
     data = {
         "tool": escape(tool, quote=True), "contact": int(now.contact), "slip": int(now.slipping),
         "force": f"{now.force:.6f}", "depth": f"{depth:.7f}", "ticks": int(s["ticks"]),
-        "missed": int(s["missed"]), "moves": moves,
+        "missed": int(s["missed"]), "moves": moves, "slipped": int(s["slip_ticks"]),
     }  # fmt: skip
     attributes = " ".join(f'data-{name}="{value}"' for name, value in data.items())
     return (

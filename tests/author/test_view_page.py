@@ -99,7 +99,7 @@ def test_a_person_chooses_a_tool_presses_drags_and_reads_the_force(
         page.mouse.down()
         page.mouse.move(x + 30, y + 10, steps=6)
         page.mouse.up()
-        dragged = reading(page, f"d.moves > {moves} && d.contact === '1'")
+        dragged = reading(page, f"d.moves > {moves} && d.contact === '1' && d.slipped > 0")
         assert dragged["force"] != pressed["force"]
         picture = page.screenshot(timeout=PATIENCE)
         browser.close()

@@ -141,7 +141,7 @@ def author(
             node_origins=work.node_origins,
         )
 
-    stages.begin("report")
+    stages.end()
     usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     summary: dict[str, Any] = {
         "asset": str(asset),
@@ -162,7 +162,6 @@ def author(
         "press_memory": max(outcome.values.get("peak_memory", 0) for outcome in pressed),
         "peak_memory": max(use.ru_maxrss for use in usage) * 1024,
     }
-    stages.end()
     summary["stages"] = stages.rows
     summary["seconds"] = time.perf_counter() - begun
     summary["cpu_seconds"] = sum(use.ru_utime + use.ru_stime for use in usage)
@@ -172,7 +171,9 @@ def author(
     summary |= _device_of(scene)
     if tool:
         summary = with_other_tools(summary, out, asset_tools(out))
+    stages.begin("report")
     summary["report"] = str(write_report(out, summary))
+    stages.end()
     (out / "summary.json").write_text(json.dumps(summary, indent=1))
     return summary
 

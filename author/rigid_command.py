@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
 
 from palpate.author.console import Answer, answer_of
 from palpate.author.errors import InputError, InputProblem
+
+if TYPE_CHECKING:
+    from palpate.author.rigid.timings import Timing
 
 __all__ = ["cooked_scene", "rigid"]
 
@@ -118,31 +121,35 @@ def _cooked(path: Path, out: Path, samples: int) -> dict[str, Any]:
 
 
 def _examples(out: Path | None) -> dict[str, Any]:
-    from palpate.author.rigid.cook import cooked_rigid
-    from palpate.author.rigid.examples import EXAMPLES, MASS, run_example
-    from palpate.runtime.rigid import Rigid, bench_rigid
+    from palpate.author.rigid.examples import EXAMPLES, run_example
+    from palpate.author.rigid.timings import coupled_timings, curved_timings, example_timings
 
     rows = []
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-    for name, make in EXAMPLES.items():
-        example = make()
-        run = run_example(example)
+    for (name, make), timing in zip(EXAMPLES.items(), example_timings(), strict=True):
+        run = run_example(make())
         if out is not None:
             from palpate.author.rigid.picture import example_picture
 
             example_picture(run, out / f"{name}.png")
-        timed = bench_rigid(Rigid(cooked_rigid(example.held, example.fixed, MASS)), *example.path, example.dt)
-        touching = run.responses[""]["contact_count"] > 0
-        rows.append(
-            {
-                "name": name,
-                "outcomes": [{"what": what, "met": bool(met)} for what, met in run.outcomes],
-                "identify_ns": _percentiles(timed["identify"][touching]),
-                "wrench_ns": _percentiles((timed["tick"] - timed["identify"])[touching]),
-            }
-        )
-    return {"examples": rows, "met": all(o["met"] for row in rows for o in row["outcomes"])}
+        outcomes = [{"what": what, "met": bool(met)} for what, met in run.outcomes]
+        rows.append({"outcomes": outcomes} | _timing_row(timing))
+    return {
+        "examples": rows,
+        "curved_pairs": [_timing_row(t) for t in curved_timings()],
+        "coupled": [_timing_row(t) for t in coupled_timings()],
+        "met": all(o["met"] for row in rows for o in row["outcomes"]),
+    }
+
+
+def _timing_row(timing: Timing) -> dict[str, Any]:
+    return {
+        "name": timing.name,
+        "identify_ns": _percentiles(timing.identify),
+        "wrench_ns": _percentiles(timing.wrench),
+        "tick_ns": _percentiles(timing.tick),
+    }
 
 
 def _tables(samples: int) -> list[dict[str, Any]]:
@@ -179,9 +186,16 @@ def _percentiles(values: np.ndarray) -> dict[str, float]:
 def _lines(result: dict[str, Any]) -> str:
     lines = []
     for row in result["examples"]:
-        i, w = row["identify_ns"], row["wrench_ns"]
-        lines.append(
-            f"{row['name']}: formation {i['p50']} ns (p99.9 {i['p999']}), wrench {w['p50']} ns (p99.9 {w['p999']})"
-        )
+        lines.append(_timing_line(row))
         lines += [f"  {'ok' if o['met'] else 'NOT MET'}: {o['what']}" for o in row["outcomes"]]
+    lines += ["pairs of curved surfaces:", *(f"  {_timing_line(row)}" for row in result["curved_pairs"])]
+    lines += ["with a virtual coupling:", *(f"  {_timing_line(row)}" for row in result["coupled"])]
     return "\n".join(lines)
+
+
+def _timing_line(row: dict[str, Any]) -> str:
+    parts = [
+        f"{what} {row[key]['p50']} ns (p99.9 {row[key]['p999']})"
+        for what, key in (("formation", "identify_ns"), ("wrench", "wrench_ns"), ("tick", "tick_ns"))
+    ]
+    return f"{row['name']}: {', '.join(parts)}"

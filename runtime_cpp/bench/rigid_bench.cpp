@@ -13,8 +13,8 @@ double since(clock_type::time_point begun) { return std::chrono::duration<double
 
 }  // namespace
 
-extern "C" palpate_status palpate_bench_rigid(const palpate_rigid* rigid, const palpate_rigid_state* states, size_t count,
-                                              double* identify_ns, double* tick_ns) {
+extern "C" palpate_status palpate_bench_rigid(const palpate_rigid* rigid, const palpate_rigid_config* config,
+                                              const palpate_rigid_state* states, size_t count, double* identify_ns, double* tick_ns) {
     if (rigid == nullptr || states == nullptr || identify_ns == nullptr || tick_ns == nullptr) return PALPATE_BAD_ARGUMENT;
     double clock_cost = 1e9;
     for (int i = 0; i < 1000; ++i) {
@@ -26,14 +26,16 @@ extern "C" palpate_status palpate_bench_rigid(const palpate_rigid* rigid, const 
     out.size = sizeof out;
     for (int run = 0; run < 5; ++run) {
         palpate_rigid_session* session = nullptr;
-        const palpate_status status = palpate_rigid_session_init(memory.data(), memory.size() * 8, rigid, nullptr, &session);
+        const palpate_status status = palpate_rigid_session_init(memory.data(), memory.size() * 8, rigid, config, &session);
         if (status != PALPATE_OK) return status;
         for (size_t i = 0; i < count; ++i) {
             auto begun = clock_type::now();
             palpate_rigid_tick(session, states + i, &out);
             const double whole = since(begun) - clock_cost;
+            palpate_rigid_state at = states[i];
+            palpate_rigid_session_place(session, at.position, at.orientation);
             begun = clock_type::now();
-            palpate_rigid_identify(rigid, states + i, &out, 1);
+            palpate_rigid_identify(rigid, &at, &out, 1);
             const double found = since(begun) - clock_cost;
             if (run == 0 || whole < tick_ns[i]) tick_ns[i] = whole;
             if (run == 0 || found < identify_ns[i]) identify_ns[i] = found;

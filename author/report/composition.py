@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 from matplotlib import colormaps
@@ -79,7 +80,7 @@ def compose(
         note += (
             f"{' ' if note else ''}{hidden} mark{'s are' if hidden > 1 else ' is'} out of sight from here."
         )
-    figure.text(0.03, 0.925, note, fontsize=9.5, color=INK, va="center")
+    figure.text(0.03, 0.945, fill(note, 125 if wide == 1 else 200), fontsize=9.5, color=INK, va="top")
     figure.savefig(path)
 
 

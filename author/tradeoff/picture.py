@@ -62,11 +62,7 @@ def picture(result: dict[str, Any], path: Path) -> None:
             x, y = speed(best), 100.0 * worst_error(best)
             axes.scatter([x], [y], s=330, facecolor="none", edgecolor=MARK, linewidth=2.0, zorder=4)
             if axes is left:
-                axes.annotate(
-                    f"recommended: {short_words(best)}", (x, y), xytext=(16, 34), textcoords="offset points",
-                    color=MARK, fontsize=10, zorder=5,
-                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.5},
-                )  # fmt: skip
+                axes.set_title(f"recommended: {short_words(best)}", color=MARK, fontsize=10, loc="left")
     left.set_xscale("log")
     left.set_ylim(top=1.5 * max(left.get_ylim()[1], 100.0 * result["tolerance"]))
     left.set_xlabel("authoring, CPU minutes of that setting alone", color=INK)

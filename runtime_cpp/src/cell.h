@@ -43,6 +43,14 @@ struct amplitude_cell {
     double channels[kept_channels / 4][27][4];
 };
 
+// Of the four masks of a texture, in the same order; where all are 0, nothing but the cell.
+struct mask_cell {
+    std::uint32_t cell[4];
+    double corner[4];
+    bool zero;
+    double channels[27][4];
+};
+
 // Nothing is kept.
 template <class Cell>
 void forget(Cell& kept) noexcept {

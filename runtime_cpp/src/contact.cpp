@@ -104,10 +104,12 @@ PALPATE_APART void limit_force(const palpate_config& config, const tissue& under
 // The texture's gains follow the limits of what moves: U does not rise, and what it falls by is dissipated.
 PALPATE_APART void limit_gains(palpate_session& s, const motion& m, const tissue& under, double offset, texture_here& texture,
                                response& r) noexcept {
+    double wanted[texture_wave_limit];
+    if (!s.touching || !wanted_gains(s.texture, *s.field, m.step, m.dt, wanted)) return;
     const texture_state before = s.texture;
-    if (!s.touching || !change_gains(s.texture, *s.field, m.q, m.step, m.dt, false)) return;
+    if (!change_gains(s.texture, *s.field, m.q, m.step, wanted, false)) return;
     const texture_here felt = texture;
-    texture_at(*s.field, s.texture.amplitude, m.q, texture);
+    texture_at(*s.field, s.texture.amplitude, m.q, s.under_masks, texture);
     response changed;
     respond_at(under, offset, changed);
     if (changed.energy <= r.energy) {
@@ -117,6 +119,13 @@ PALPATE_APART void limit_gains(palpate_session& s, const motion& m, const tissue
         s.texture = before;
         texture = felt;
     }
+}
+
+// At a first contact nothing holds energy yet.
+PALPATE_APART void begin_gains(palpate_session& s, const motion& m) noexcept {
+    double wanted[texture_wave_limit];
+    wanted_gains(s.texture, *s.field, m.step, m.dt, wanted);
+    change_gains(s.texture, *s.field, m.q, m.step, wanted, true);
 }
 
 // Settles, limits and tells.  On entry `spring` has been carried and turned, and E = r.energy + held is what the accounts say is stored;
@@ -222,8 +231,8 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     texture_here texture;
     const bool textured = !PALPATE_EXPECTED(s.field->texture.group_count == 0);
     if (textured) {
-        if (!s.touching) change_gains(s.texture, *s.field, m.q, m.step, m.dt, true);
-        texture_at(*s.field, s.texture.amplitude, m.q, texture);
+        if (!s.touching) begin_gains(s, m);
+        texture_at(*s.field, s.texture.amplitude, m.q, s.under_masks, texture);
         under.texture = &texture;
     }
     if (one_cell) {
@@ -286,7 +295,9 @@ bool change_field_in_contact(palpate_session& s, const motion& m, const location
     under.texture = nullptr;
     texture_here texture;
     if (s.next_field->texture.group_count > 0) {
-        texture_at(*s.next_field, s.texture.amplitude, m.q, texture);
+        mask_cell of_next;
+        forget(of_next);
+        texture_at(*s.next_field, s.texture.amplitude, m.q, of_next, texture);
         under.texture = &texture;
     }
     friction_spring spring = s.spring;

@@ -58,9 +58,9 @@ struct contraction {
     // The same from amplitudes.
     void (*response_from)(const palpate_field& field, const amplitude_sums& amplitudes, double depth, const double distance_gradient[3],
                           response& found) PALPATE_REAL_TIME;
-    // Of each group of four waves, with these amplitudes (m): height (m) and its gradient at (x, y, z); layers/texture.h.
-    void (*texture_groups)(const texture_ground& ground, const double* amplitude, double x, double y, double z,
-                           double height_and_gradient[4][4]) PALPATE_REAL_TIME;
+    // Of waves with these amplitudes (m): height (m) and its gradient at (x, y, z); layers/texture.h.
+    void (*texture)(const texture_ground& ground, const double* amplitude, double x, double y, double z, mask_cell& kept,
+                    double height_and_gradient[4]) PALPATE_REAL_TIME;
     // Has the caches get what lies under q in both lattices, in the box and where that is another cell than `last` time; nobody waits.
     void (*fetch_cells)(const palpate_field& field, double x, double y, double z, fetched_cells& last) PALPATE_REAL_TIME;
 };

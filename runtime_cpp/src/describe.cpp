@@ -61,6 +61,8 @@ palpate_status palpate_field_sample_tilted(const palpate_field* field, const dou
     const double lacking = field->tool_offset - palpate::offset_of_way(*field, way);
     palpate::texture_state limits{};
     palpate::begin_texture(limits, *field);
+    palpate::mask_cell under_masks;
+    palpate::forget(under_masks);
     if (stride % alignof(palpate_sample) != 0) return PALPATE_BAD_ARGUMENT;
     auto* bytes = reinterpret_cast<unsigned char*>(samples);
     for (size_t i = 0; i < count; ++i, q += 3, bytes += stride) {
@@ -98,7 +100,7 @@ palpate_status palpate_field_sample_tilted(const palpate_field* field, const dou
         palpate::texture_here texture;
         under.texture = nullptr;
         if (field->texture.group_count > 0) {
-            palpate::texture_at(*field, limits.amplitude, q, texture);
+            palpate::texture_at(*field, limits.amplitude, q, under_masks, texture);
             under.texture = &texture;
         }
         palpate::respond_at(under, 0.0, r);

@@ -54,6 +54,7 @@ struct palpate_session {
 
     palpate::transient_state transients;
     palpate::texture_state texture;
+    palpate::mask_cell under_masks;  // of `field`; where the last tick in contact was
 };
 
 namespace palpate {
@@ -62,6 +63,7 @@ namespace palpate {
 inline void forget_cells(palpate_session& session) noexcept {
     forget(session.under_distance);
     forget(session.under_amplitudes);
+    forget(session.under_masks);
     forget(session.fetched.distance);
     forget(session.fetched.amplitudes);
 }

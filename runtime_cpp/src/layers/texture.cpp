@@ -122,37 +122,13 @@ void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept {
     ground.mask_coefficients = reinterpret_cast<const float*>(at + index_bytes(h));
 }
 
-void texture_at(const palpate_field& field, const double* amplitude, const double q[3], texture_here& here) PALPATE_REAL_TIME {
+void texture_at(const palpate_field& field, const double* amplitude, const double q[3], mask_cell& kept,
+                texture_here& here) PALPATE_REAL_TIME {
     const texture_ground& ground = field.texture;
-    double group[texture_group_limit][4];
-    field.contract->texture_groups(ground, amplitude, q[0], q[1], q[2], group);
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    if (!ground.masked) {
-        for (std::int32_t g = 0; g < ground.group_count; ++g) {
-            for (int a = 0; a < 4; ++a) sum[a] += group[g][a];
-        }
-    } else {
-        amplitude_taps taps;
-        amplitude_sums masks;
-        const bool stored = field.contract->gather_amplitudes(ground.mask, ground.mask_coefficients, q[0], q[1], q[2], taps);
-        if (stored) field.contract->amplitudes(taps, 0, texture_mask_limit, texture_mask_limit, masks);
-        for (std::int32_t g = 0; g < ground.group_count; ++g) {
-            const std::uint32_t c = ground.mask_channel[g];
-            double m = 1.0, slope[3] = {0.0, 0.0, 0.0};
-            if (c != texture_no_mask) {
-                m = stored ? masks.value[c] : 0.0;
-                if (stored) {
-                    slope[0] = masks.dx[c] * ground.mask.inverse_spacing;
-                    slope[1] = masks.dy[c] * ground.mask.inverse_spacing;
-                    slope[2] = masks.dz[c] * ground.mask.inverse_spacing;
-                }
-            }
-            sum[0] += m * group[g][0];
-            for (int a = 0; a < 3; ++a) sum[1 + a] += m * group[g][1 + a] + slope[a] * group[g][0];
-        }
-    }
-    here.height = sum[0];
-    for (int a = 0; a < 3; ++a) here.gradient[a] = sum[1 + a];
+    double sums[4];
+    field.contract->texture(ground, amplitude, q[0], q[1], q[2], kept, sums);
+    here.height = sums[0];
+    for (int a = 0; a < 3; ++a) here.gradient[a] = sums[1 + a];
     here.fade_depth = ground.fade_depth;
     here.inverse_fade_depth = ground.inverse_fade_depth;
 }
@@ -186,18 +162,29 @@ void begin_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TI
     }
 }
 
-bool change_gains(texture_state& t, const palpate_field& field, const double q[3], const double step[3], double dt,
+bool wanted_gains(texture_state& t, const palpate_field& field, const double step[3], double dt, double* wanted) PALPATE_REAL_TIME {
+    const texture_ground& ground = field.texture;
+    const double reach = longest_step(t, dt);
+    bool other = false, limited = false;
+    for (std::int32_t i = 0; i < 4 * ground.group_count; ++i) {
+        const double along = std::fabs(ground.kx[i] * step[0] + ground.ky[i] * step[1] + ground.kz[i] * step[2]);
+        wanted[i] = along >= reach ? 0.0 : t.most[i];
+        other |= wanted[i] != t.gain[i];
+        limited |= t.gain[i] < 1.0 && ground.amplitude[i] > 0.0;
+    }
+    t.limited = limited;
+    return other;
+}
+
+bool change_gains(texture_state& t, const palpate_field& field, const double q[3], const double step[3], const double* wanted,
                   bool at_once) PALPATE_REAL_TIME {
     const texture_ground& ground = field.texture;
-    const double moved = std::sqrt(dot(step, step)), structural = t.limits.structural_frequency * dt;
+    const double moved = std::sqrt(dot(step, step));
     bool changed = false;
     t.limited = false;
     for (std::int32_t i = 0; i < 4 * ground.group_count; ++i) {
-        if (!(ground.amplitude[i] > 0.0)) continue;
         const double kx = ground.kx[i], ky = ground.ky[i], kz = ground.kz[i];
-        const double along = std::fabs(kx * step[0] + ky * step[1] + kz * step[2]);
-        const bool too_fast = (t.cycles > 0.0 && along >= t.cycles) || (structural > 0.0 && along >= structural);
-        double change = (too_fast ? 0.0 : t.most[i]) - t.gain[i];
+        double change = wanted[i] - t.gain[i];
         if (change != 0.0) {
             const double most = at_once ? 1.0 : moved * norm(kx, ky, kz);
             change = change > most ? most : change < -most ? -most : change;
@@ -215,7 +202,7 @@ bool change_gains(texture_state& t, const palpate_field& field, const double q[3
                 changed = true;
             }
         }
-        t.limited = t.limited || t.gain[i] < 1.0;
+        t.limited = t.limited || (t.gain[i] < 1.0 && ground.amplitude[i] > 0.0);
     }
     return changed;
 }

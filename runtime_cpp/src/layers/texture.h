@@ -14,7 +14,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
+#include "cell.h"
 #include "lattice.h"
 #include "layers/layers.h"
 #include "palpate/palpate.h"
@@ -155,8 +157,9 @@ bool prove_texture(const layer_bytes& bytes, const rfield_header& h, refusal& wh
 // Points `ground` into a layer that was proven.
 void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept;
 
-// h and grad h at q with the given amplitudes.
-void texture_at(const palpate_field& field, const double* amplitude, const double q[3], texture_here& here) PALPATE_REAL_TIME;
+// h and grad h at q with the given amplitudes; `kept` is of the same field, and is made q's.
+void texture_at(const palpate_field& field, const double* amplitude, const double q[3], mask_cell& kept,
+                texture_here& here) PALPATE_REAL_TIME;
 
 // What the session's limits, or else the field's, leave of each wave; gains stay as they are.
 void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TIME;
@@ -164,17 +167,26 @@ void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TI
 // Full amplitudes, but for what the limits leave for ever.
 void begin_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TIME;
 
-// Gains go towards what the limits allow a tool that moves by `step` (m) in dt (s): at once when `at_once` (nothing is touched), else by
-// no more than the wavelengths that it moved, and only where that lowers h.  True when some gain changed.
-bool change_gains(texture_state& t, const palpate_field& field, const double q[3], const double step[3], double dt,
+// What the limits leave of each wave while a tool moves by `step` (m) in dt (s); true where some gain is another.
+bool wanted_gains(texture_state& t, const palpate_field& field, const double step[3], double dt, double* wanted) PALPATE_REAL_TIME;
+
+// Gains go towards the wanted ones: at once when `at_once` (nothing is touched), else by no more than the wavelengths that the tool
+// moved, and only where that lowers h.  True when some gain changed.
+bool change_gains(texture_state& t, const palpate_field& field, const double q[3], const double step[3], const double* wanted,
                   bool at_once) PALPATE_REAL_TIME;
+
+// The longest step along a wave that leaves it as it is, in wavelengths; infinite without limits.
+PALPATE_INLINE double longest_step(const texture_state& t, double dt) noexcept {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    const double structural = t.limits.structural_frequency * dt;
+    const double own = structural > 0.0 ? structural : infinite, scanning = t.cycles > 0.0 ? t.cycles : infinite;
+    return own < scanning ? own : scanning;
+}
 
 // Something may be to be done about gains: one is below 1, or the step (its square, m^2) is too long for the finest wave.
 PALPATE_INLINE bool gains_move(const texture_state& t, const texture_ground& ground, double length_squared, double dt) noexcept {
-    if (t.limited) return true;
-    const double own = t.limits.structural_frequency * dt;
-    const double reach = t.cycles > 0.0 && (!(own > 0.0) || t.cycles < own) ? t.cycles : own;
-    return reach > 0.0 && length_squared * ground.k_squared > reach * reach;
+    const double reach = longest_step(t, dt);
+    return t.limited || length_squared * ground.k_squared > reach * reach;
 }
 
 }  // namespace palpate

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a texture and a transient cost a tick: the plane of the tests with each of them and without, in turns in one process.
+"""What a texture and a transient cost a tick: the tests' plane with each of them and without, in turns in one process.
 
     python tests/benchmarks/layer_ticks.py [ROUNDS]
 
-A frictionless tool slides 1 mm deep; of each kind the fastest round of 4,000 ticks counts, so that other work on the machine does not.
-Above what the plane alone takes, asked for: at most 100 ns.
+A frictionless tool slides 1 mm deep; of each kind the fastest round of 4,000 ticks counts, so that other work on the
+machine does not.  Above what the plane alone takes, asked for: at most 100 ns.
 """
 
 import sys

@@ -76,6 +76,18 @@ def test_the_numpy_twin_says_the_same(texture):
     assert found["force"] == pytest.approx(twin.force, abs=1e-9)
 
 
+def test_a_session_that_keeps_masks_feels_what_a_sample_does():
+    field = opened(PATCHY)
+    ahead = 3e-6 * np.arange(-2000, 2000)[:, None] * [1.0, 0.0, 0.0]
+    path = above(field) - [0.0, 0.0, 0.5e-3] + ahead * 1.2  # through several cells of the masks, and back
+    path = np.concatenate([path, path[::-1]])
+    session = Session(field, Config(friction_coefficient=0.0))
+    session.tick_batch(np.linspace(path[0] + ABOVE, path[0], 500), dt=1e-4)
+    out = session.tick_batch(path, dt=1e-4)
+    assert out["force"] == pytest.approx(field.sample(path)["force"], abs=1e-12)
+    assert out["force"] == pytest.approx(evaluate(read_rfield(cook(textured(PATCHY))), path).force, abs=1e-9)
+
+
 @pytest.mark.parametrize(("speed", "spatial_frequency"), [(0.02, 800.0), (0.1, 800.0), (0.05, 1600.0)])
 def test_a_drag_has_its_line_at_k_v(speed, spatial_frequency):
     texture = Texture((grating(10e-6, spatial_frequency, (1, 0, 0)),), 0.2e-3)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -25,6 +25,7 @@ from palpate.fem_offline.linear_body import LinearBody
 from palpate.fem_offline.near_body import NearBody
 from palpate.fem_offline.organ import Organ
 from palpate.fem_offline.patch import Patch, PatchSize, carve, refine
+from palpate.fem_offline.quadratic_space import EDGES
 from palpate.fem_offline.surroundings import Surroundings, surroundings
 from palpate.fem_offline.tool import Pose, Tool, tangents, tilted
 
@@ -34,6 +35,11 @@ FIDELITIES = ("linear", "near_field", "full")
 
 COARSEST = 8e-3
 """m; edges of a patch, unless its finest are above half of that: a tool of a metre is not meshed by the millimetre."""
+
+NARROWEST = 1.2
+"""Least radius of a patch over the mean edge of the organ's tetrahedra that it replaces.  With 0.64 (tools of 3 mm in
+tetrahedra of 10 mm) forces are off by 2 to 10 %, with 0.8 by 0.8 %, with 0.97 by 0.6 %, and the near field's estimate
+sees none of it; with 1.2 by 0.1 %."""
 
 Kept = TypeVar("Kept", FarField, FarModes, GreenBlock)
 FarFieldStore = Callable[[type[Kept], str, Callable[[], Kept]], Kept]
@@ -128,6 +134,8 @@ def open_site(
 ) -> Site:
     """Carve, refine and condense around a surface point.
 
+    A patch that is narrow beside the organ's tetrahedra is widened to NARROWEST of their edges.
+
     Args:
         near_point: (3,) m; projected to the smooth surface.
         fidelity: one of FIDELITIES.
@@ -145,6 +153,10 @@ def open_site(
     points, normals = organ.project(np.asarray(near_point, float)[None])
     centre, normal = points[0], normals[0]
     carved = carve(organ, centre, size.radius)
+    least = NARROWEST * _mean_edge(organ, carved)
+    if size.radius < least:
+        size = replace(size, radius=least)
+        carved = carve(organ, centre, least)
     patch = refine(organ, carved, centre, size)
     space, held = patch_space(organ, patch)
     shared = interface_nodes(organ, patch, space)
@@ -180,6 +192,11 @@ def open_site(
         organ.thickness(centre, normal),
         surroundings(organ, patch, space.face_nodes(patch.outer_faces[~may_touch]), space.nodes),
     )
+
+
+def _mean_edge(organ: Organ, carved: np.ndarray) -> float:
+    corners = organ.points[organ.tets[carved]]
+    return float(np.mean([np.linalg.norm(corners[:, a] - corners[:, b], axis=1) for a, b in EDGES]))
 
 
 def _modes(

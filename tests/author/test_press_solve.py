@@ -45,6 +45,13 @@ def test_one_that_cannot_gives_way_to_full(mesh, near, tmp_path, monkeypatch):
     assert arrays["force_vector"][-1] == pytest.approx(near[0]["force_vector"][-1], rel=2e-3, abs=1e-6)
 
 
+def test_a_patch_that_is_narrow_beside_the_tetrahedra_is_widened(mesh, near, tmp_path):
+    """As it was asked for, the force is 10 % larger."""
+    arrays, values = press_solve.solve(mesh, replace(JOB, patch_radius=8e-3), str(tmp_path))
+    assert values["converged"] and values["fidelity"] == "near_field"
+    assert arrays["force_vector"][-1] == pytest.approx(near[0]["force_vector"][-1], rel=5e-3, abs=1e-5)
+
+
 def test_a_linear_press_has_no_estimate_and_no_way_out(mesh, near, tmp_path):
     arrays, values = press_solve.solve(
         mesh, PressJob(*[*(JOB.contact_point,), BALL, JOB.depths, "linear"]), str(tmp_path)

@@ -13,12 +13,12 @@ from palpate.author.haptic_device import HapticDevice
 __all__ = ["certify_map", "require_picture"]
 
 
-def require_picture(file: Path) -> None:
-    """Raises InputError where `file` can be no picture."""
+def require_picture(file: Path, option: str = "--map") -> None:
+    """Raises InputError where `file`, given by `option`, can be no picture."""
     if file.suffix.lower() != ".png":
-        raise InputError(InputProblem("", "--map", str(file), "is no picture", "a file that ends in .png"))
+        raise InputError(InputProblem("", option, str(file), "is no picture", "a file that ends in .png"))
     if not file.parent.is_dir():
-        raise InputError(InputProblem("", "--map", str(file), "is in no folder", "a folder that is there"))
+        raise InputError(InputProblem("", option, str(file), "is in no folder", "a folder that is there"))
 
 
 def certify_map(field: Path, device: HapticDevice, file: Path) -> dict[str, Any]:

@@ -394,6 +394,12 @@ def certify(
         str | None,
         typer.Option("--texture-device", help="PHANTOM or Pantograph: what they render of textures"),
     ] = None,
+    drag_picture: Annotated[
+        Path | None,
+        typer.Option(
+            "--drag", metavar="FILE.png", help="a drag over the texture: force over time, its line at k v"
+        ),
+    ] = None,
     time_factor: Annotated[float | None, typer.Option("--time-factor", help="alpha of textures; 10")] = None,
     space_factor: Annotated[float | None, typer.Option("--space-factor", help="beta of textures; 10")] = None,
     force_factor: Annotated[
@@ -416,10 +422,11 @@ def certify(
         from palpate.author.certify import certify as certified
         from palpate.author.certify_map import certify_map, require_picture
         from palpate.author.haptic_device import device_from
-        from palpate.author.texture.certify_texture import certified_texture
+        from palpate.author.texture.certify_texture import certified_drag, certified_texture
 
-        if picture is not None:
-            require_picture(picture)
+        for file, option in ((picture, "--map"), (drag_picture, "--drag")):
+            if file is not None:
+                require_picture(file, option)
         held = device_from(
             scene,
             name=device,
@@ -458,6 +465,8 @@ def certify(
                 "structural_frequency": structural_frequency,
             },
         )
+        if drag_picture is not None:
+            result["texture"]["drag"] = certified_drag(field, drag_picture)
         return Answer(result, [certify_lines(result)], 0 if result["met"] else 1)
 
     _end(work, as_json)

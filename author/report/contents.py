@@ -20,6 +20,7 @@ from palpate.author.report.maps import ReachMap
 from palpate.author.report.node_origins import ORIGINS, node_origins
 from palpate.author.report.on_reach import OnReach
 from palpate.author.report.sizes import rfield_sections
+from palpate.author.report.texture_part import texture_row
 from palpate.author.report.transient_part import transient_row
 from palpate.author.report.verdict import JUST_NOTICEABLE, headline, overall, verdict
 from palpate.author.report.verification_rows import verification
@@ -140,6 +141,7 @@ def _tool(sources: Sources, index: int, reach: OnReach) -> dict[str, Any]:
         "sections": rfield_sections(cooked),
         "devices": device_rows(reach.sigma, reach.map, facts["stiffness_max"], deepest),
         "device": None,
+        "texture": texture_row(field),
         "transient": transient_row(field),
         "bench": _bench(sources.ticks[index] or summary.get("bench") or authored.get("bench"), name),
         "provenance": _rows(field.provenance),

@@ -26,6 +26,7 @@ from palpate.author.report.organ_figure import error_top, varies
 from palpate.author.report.palette import ERRORS, MARK, NODES, ORGAN, REACH, VALUES
 from palpate.author.report.projection import Mesh, View
 from palpate.author.report.render import RenderFailure, render
+from palpate.author.report.texture_part import draw_texture
 from palpate.author.report.transient_part import draw_transient
 from palpate.author.report.viewpoint import viewpoints
 
@@ -80,6 +81,8 @@ def pictures(
                 tool["device"]["picture"] = path.name
                 what = f"{device_caption(tool['name'], sources.device)}: where it would hum"
                 made.append({"file": path.name, "tool": tool["name"], "caption": what})
+        if tool["texture"]:
+            made += draw_texture(folder, sources.fields[index], tool["texture"], suffix)
         if tool["transient"]:
             made += draw_transient(folder, sources.fields[index], tool["transient"], suffix)
         if tool["worst"]:

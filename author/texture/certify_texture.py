@@ -15,7 +15,7 @@ from palpate.author.scene import load_scene
 from palpate.author.texture.rendered import DEVICES, device_named, rendered
 from palpate.fields.texture import DeviceLimits
 
-__all__ = ["FACTOR", "certified_texture", "texture_lines"]
+__all__ = ["FACTOR", "certified_drag", "certified_texture", "texture_lines"]
 
 FACTOR = 10.0
 """Safety factors where no option says: the better ones of Hayward's table 1."""
@@ -69,10 +69,31 @@ def certified_texture(
     return {"device": device.name if device else held.name, "source": device.source if device else "", **told}
 
 
+def certified_drag(field: Path, file: Path) -> dict[str, Any]:
+    """Draws a drag over the texture of the .rfield `field` into the PNG `file`.
+
+    Returns:
+        As `Drag.told`, and file.
+
+    Raises:
+        InputError: there is no texture, or no room for a drag over it.
+    """
+    from palpate.author.texture.drag import LEAST, drag
+    from palpate.author.texture.drag_picture import drag_picture
+
+    dragged = drag(field.read_bytes())
+    if dragged is None:
+        expected = f"an .rfield with the effect texture, whose reach has room for {LEAST} wavelengths"
+        raise InputError(InputProblem(str(field), "--drag", str(file), "has nothing to show", expected))
+    drag_picture(dragged, file)
+    return {**dragged.told(), "file": str(file)}
+
+
 def texture_lines(told: dict[str, Any]) -> list[str]:
     """Of what `certified_texture` found; empty where nobody asked."""
     if not told["waves"] and not told["source"]:
         return []
+    dragged = told.get("drag")
     whose = f"{told['device']} ({told['source']})" if told["source"] else "this device"
     lines = [
         f"gratings on {whose} at {told['rate']:g} Hz, factors {told['time_factor']:g}, {told['space_factor']:g}, "
@@ -91,5 +112,10 @@ def texture_lines(told: dict[str, Any]) -> list[str]:
         length = 1e3 * row["wavelength"] if row["wavelength"] else float("inf")
         lines.append(
             f"texture wave of {length:.3g} mm, {1e6 * row['amplitude']:.3g} um, {row['force']:.2g} N: {verdict}"
+        )
+    if dragged:
+        lines.append(
+            f"{dragged['file']}: dragged at {1e3 * dragged['speed']:.3g} mm/s, k v = {dragged['expected']:.4g} Hz, "
+            f"line at {dragged['line']:.4g} Hz ({100 * dragged['line_error']:+.2f} %)"
         )
     return lines

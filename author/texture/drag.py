@@ -39,8 +39,8 @@ class Drag:
 
     Attributes:
         time: (n,) s.
-        force, plain: (n,) N along the normal where the drag began, with the texture and without.
-        frequency, spectrum: (m,) Hz and N; amplitude of what the texture adds, by the direction where it is most.
+        force, plain: (n,) N along the drag, with the texture and without.
+        frequency, spectrum: (m,) Hz and N; amplitude of what the texture adds along the drag.
         wavelength: m.  speed: m/s along the wave.  depth: m.
     """
 
@@ -109,17 +109,18 @@ def drag(rfield: bytes) -> Drag | None:
         down = np.linspace(out, points[0], 1000)
         session.tick_batch(down, dt=1.0 / RATE)
         felt.append(session.tick_batch(points, dt=1.0 / RATE)["force"])
-    added = felt[0] - felt[1]
+    along = points[-1] - points[0]
+    force, plain = (one @ along / np.linalg.norm(along) for one in felt)
+    added = force - plain
     count = len(points)
     window = np.hanning(count)
     window /= 0.5 * window.sum()
-    lines = abs(np.fft.rfft((added - added.mean(axis=0)) * window[:, None], PADDING * count, axis=0))
     return Drag(
         time=np.arange(count) / RATE,
-        force=felt[0] @ normal,
-        plain=felt[1] @ normal,
+        force=force,
+        plain=plain,
         frequency=np.fft.rfftfreq(PADDING * count, 1.0 / RATE),
-        spectrum=lines[:, int(np.argmax(lines.max(axis=0)))],
+        spectrum=abs(np.fft.rfft((added - added.mean()) * window, PADDING * count)),
         wavelength=1.0 / k,
         speed=speed,
         depth=depth,

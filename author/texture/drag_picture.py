@@ -23,13 +23,14 @@ def drag_picture(dragged: Drag, path: Path) -> None:
     over_time.plot(dragged.time, dragged.plain, color="0.6", linewidth=1.4, label="without the texture")
     over_time.plot(dragged.time, dragged.force, color="C0", linewidth=1.1, label="with it")
     over_time.set_xlabel("time [s]")
-    over_time.set_ylabel("normal force [N]")
+    over_time.set_ylabel("force along the drag [N]")
     over_time.set_title(
         f"dragged at {1e3 * dragged.speed:.3g} mm/s along a wave of {1e3 * dragged.wavelength:.3g} mm, "
         f"{1e3 * dragged.depth:.3g} mm deep",
         fontsize="medium",
     )
-    over_time.legend(fontsize="small")
+    over_time.margins(y=0.25)  # room for the legend
+    over_time.legend(fontsize="small", ncols=2, loc="upper right")
     kept = dragged.frequency <= SHOWN * dragged.expected
     over_frequency.axvline(
         dragged.expected, color="C3", linewidth=1.2, linestyle="--", label=f"k v = {dragged.expected:.4g} Hz"

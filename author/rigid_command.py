@@ -46,9 +46,15 @@ def rigid(
             "--tables",
             min=0,
             metavar="N",
-            help="searches the examples' formations with N poses; covers N others",
+            help="searches the examples' formations with N poses, meets N others; with --identify: uses tables",
         ),
     ] = 0,
+    noise: Annotated[
+        float,
+        typer.Option(
+            "--noise", min=0.0, max=1.0, metavar="X", help="of --identify and --tables, a fraction of eps"
+        ),
+    ] = 0.1,
     as_json: Annotated[
         bool, typer.Option("--json", help="one JSON object on stdout, everything else on stderr")
     ] = False,
@@ -68,12 +74,11 @@ def rigid(
         if identify:
             from palpate.author.rigid.known_configurations import identified
 
-            known = identified(identify)
-            return Answer(
-                known, [f"{known['right']:.5f} of {known['count']} right"], 0 if _right(known) else 1
-            )
+            known = identified(identify, noise, samples=tables)
+            line = f"{known['right']:.5f} of {known['count']} right, noise {noise:g} eps"
+            return Answer(known, [line], 0 if _right(known) else 1)
         if tables:
-            rows = _tables(tables)
+            rows = _tables(tables, noise)
             return Answer({"tables": rows}, [_table_lines(rows)])
         result = _examples(out)
         return Answer(result, [_lines(result)], 0 if result["met"] else 1)
@@ -152,7 +157,7 @@ def _timing_row(timing: Timing) -> dict[str, Any]:
     }
 
 
-def _tables(samples: int) -> list[dict[str, Any]]:
+def _tables(samples: int, noise: float) -> list[dict[str, Any]]:
     from palpate.author.rigid.examples import EXAMPLES
     from palpate.author.rigid.formations import formation_coverage, formation_table
 
@@ -160,7 +165,7 @@ def _tables(samples: int) -> list[dict[str, Any]]:
     for name, make in EXAMPLES.items():
         held, fixed = make().held, make().fixed
         table = formation_table(held, fixed, samples=samples)
-        covered = formation_coverage(held, fixed, table, samples=samples)
+        covered = formation_coverage(held, fixed, table, noise=noise, samples=samples)
         rows.append({"name": name, "formations": len(table.formations), "drawn": table.poses} | covered)
     return rows
 
@@ -168,7 +173,7 @@ def _tables(samples: int) -> list[dict[str, Any]]:
 def _table_lines(rows: list[dict[str, Any]]) -> str:
     return "\n".join(
         f"{r['name']}: {r['formations']} formations of {r['drawn']} poses; of {r['poses']} others {r['found']:.4f} "
-        f"are in the table, {r['noisy']:.4f} with noise"
+        f"are in the table, {r['right']:.4f} named rightly with noise, {r['right_with_table']:.4f} by the table"
         for r in rows
     )
 

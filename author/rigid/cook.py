@@ -30,7 +30,12 @@ _FLAT = ("polygon", "disc")
 
 
 def cooked_rigid(
-    held: Body, fixed: Body, mass: float, law: Law = LUO_XIAO, formations: tuple[tuple[int, ...], ...] = ()
+    held: Body,
+    fixed: Body,
+    mass: float,
+    law: Law = LUO_XIAO,
+    formations: tuple[tuple[int, ...], ...] = (),
+    merged: bool = True,
 ) -> bytes:
     """The bytes that `palpate.runtime.rigid.Rigid` opens.
 
@@ -38,6 +43,7 @@ def cooked_rigid(
         held: in any frame; it is cooked about its centre of mass, axes kept.  fixed: in world axes.
         mass: kg, of the held body.
         formations: of rising keys (held element << 16 | fixed element); see formations.py.
+        merged: False: every elementary contact is a point by itself; for searching formations.
 
     Raises:
         InputError: no mass or volume, parts thinner than contact is deep, a pair of curved surfaces that no distance
@@ -84,7 +90,7 @@ def cooked_rigid(
         (h << 16 | (count + f), region)
         for h, a in enumerate(held.elements)
         for f, b in enumerate(fixed.elements)
-        if (region := _region(a.kind, b.kind))
+        if merged and (region := _region(a.kind, b.kind))
     )
     ordered = sorted(formations, key=formation_hash)
     rows, words = [], []

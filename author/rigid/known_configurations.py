@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from palpate.author.rigid.body import Body, combined
 from palpate.author.rigid.cook import cooked_rigid
-from palpate.author.rigid.formations import keys_of
+from palpate.author.rigid.formations import formation_table, jolted, keys_of
 from palpate.author.rigid.law import LUO_XIAO
 from palpate.author.rigid.polyhedron import box, plate_with_hole
 from palpate.author.rigid.shapes import cylinder, sphere
@@ -173,11 +173,14 @@ CASES: list[tuple[str, Body, Body, Maker]] = [
 ]
 
 
-def identified(count: int = 100_000, noise: float = 0.1, seed: int = 1) -> dict[str, object]:
+def identified(
+    count: int = 100_000, noise: float = 0.1, seed: int = 1, samples: int = 0
+) -> dict[str, object]:
     """How many of `count` poses are named rightly.
 
     Args:
         noise: largest displacement by translation, and by rotation, as a fraction of eps.
+        samples: poses that search each pair's table of formations; 0: no table.
 
     Returns:
         count, right (fraction), cases (fraction right of each).
@@ -186,14 +189,16 @@ def identified(count: int = 100_000, noise: float = 0.1, seed: int = 1) -> dict[
     each = -(-count // len(CASES))
     cases: dict[str, float] = {}
     right = 0
+    tables: dict[tuple[int, int], tuple[tuple[int, ...], ...]] = {}
     for name, held, fixed, make in CASES:
-        rigid = Rigid(cooked_rigid(held, fixed, 0.5))
+        pair = id(held), id(fixed)
+        if samples and pair not in tables:
+            tables[pair] = formation_table(held, fixed, samples=samples).formations
+        rigid = Rigid(cooked_rigid(held, fixed, 0.5, formations=tables.get(pair, ())))
         poses = [make(rng) for _ in range(each)]
         position = np.array([p[0] for p in poses])
-        radius = max(float(np.linalg.norm(e.ball[0] - held.centre)) + e.ball[1] for e in held.elements)
-        turn = Rotation.from_rotvec(_within_ball(each, rng) * noise * EPS / radius)
-        rotation = turn * Rotation.from_matrix(np.array([p[1] for p in poses]))
-        found = rigid.identify(position + _within_ball(each, rng) * noise * EPS, rotation.as_quat())
+        orientation = Rotation.from_matrix(np.array([p[1] for p in poses])).as_quat()
+        found = rigid.identify(*jolted(held, position, orientation, noise * EPS, rng))
         first = len(held.elements)
         hits = 0
         for row, (_, _, pairs) in zip(found, poses, strict=True):
@@ -201,8 +206,3 @@ def identified(count: int = 100_000, noise: float = 0.1, seed: int = 1) -> dict[
         cases[name] = hits / each
         right += hits
     return {"count": each * len(CASES), "noise": noise, "right": right / (each * len(CASES)), "cases": cases}
-
-
-def _within_ball(count: int, rng: np.random.Generator) -> np.ndarray:
-    v = rng.normal(size=(count, 3))
-    return v / np.linalg.norm(v, axis=1)[:, None] * rng.random((count, 1)) ** (1 / 3)

@@ -209,9 +209,8 @@ void shape(const palpate_rigid& scene, const rigid_touches& touches, std::uint64
     if (weight > 0.0) pc.gyration /= weight;
 }
 
-}  // namespace
-
-void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, const rigid_keys& last, rigid_contacts& found) noexcept {
+// Principal contacts of the touches within `limit` (m), and of those of `last` whatever their gap.
+void gather_within(const palpate_rigid& scene, const rigid_touches& touches, const rigid_keys& last, double limit, rigid_contacts& found) noexcept {
     const double eps = scene.head.threshold;
     found.count = 0;
     found.overflow = touches.overflow;
@@ -219,7 +218,7 @@ void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, cons
     std::uint32_t listed = 0;
     std::uint64_t near = 0;
     for (std::uint32_t i = 0; i < touches.count; ++i) {
-        if (touches.at[i].gap <= eps) near |= std::uint64_t{1} << i;
+        if (touches.at[i].gap <= limit) near |= std::uint64_t{1} << i;
     }
     for (std::uint32_t i = 0; i < touches.count; ++i) {
         const rigid_element &h = scene.element[touches.at[i].held], &f = scene.element[touches.at[i].fixed];
@@ -303,6 +302,18 @@ void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, cons
         pc.region = PALPATE_RIGID_POINT;
         shape(scene, touches, std::uint64_t{1} << best, pc);
     }
+}
+
+}  // namespace
+
+void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, const rigid_keys& last, rigid_contacts& found) noexcept {
+    constexpr std::uint32_t none = 0xffffffffu;
+    gather_within(scene, touches, last, scene.head.threshold, found);
+    if (found.count == 0 || scene.head.formation_count == 0 || rigid_formation_index(scene, found) != none) return;
+    // No pose has these contacts and no others: those that are there as well may be out of reach by a digital error.
+    rigid_contacts wider;
+    gather_within(scene, touches, last, rigid_reach(scene.head), wider);
+    if (rigid_formation_index(scene, wider) != none) found = wider;
 }
 
 std::uint32_t rigid_formation_index(const palpate_rigid& scene, const rigid_contacts& contacts) noexcept {

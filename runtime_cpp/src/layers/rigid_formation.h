@@ -10,6 +10,9 @@ namespace palpate {
 
 constexpr std::uint32_t rigid_contact_limit = PALPATE_RIGID_CONTACT_LIMIT, rigid_hull_limit = 16;
 
+// m; (1 + hysteresis) eps
+inline double rigid_reach(const rigid_header& h) noexcept { return h.threshold * (1.0 + h.hysteresis); }
+
 struct rigid_principal {
     std::uint32_t key;     // held << 16 | fixed
     std::uint32_t region;  // palpate_rigid_region
@@ -31,7 +34,8 @@ struct rigid_keys {
     std::uint32_t key[rigid_contact_limit];
 };
 
-// Principal contacts among `touches`; `last`: those of the tick before, kept up to (1 + hysteresis) eps.
+// Principal contacts among `touches` (all up to rigid_reach), whose gap is up to eps; `last`: those of the tick before, kept up to
+// rigid_reach.  With a table of valid formations: where these are none of it and those up to rigid_reach are one, it is the latter.
 void rigid_gather(const palpate_rigid& scene, const rigid_touches& touches, const rigid_keys& last, rigid_contacts& found) PALPATE_REAL_TIME;
 
 // Place of the formation in the table of valid ones; 0xffffffff: not there, or no table.

@@ -56,8 +56,6 @@ namespace palpate {
 
 inline bool rigid_has_coupling(const palpate_rigid_session& s) noexcept { return s.config.coupling_stiffness > 0.0; }
 
-inline double rigid_reach(const rigid_header& h) noexcept { return h.threshold * (1.0 + h.hysteresis); }
-
 void rigid_release(palpate_rigid_session& s) PALPATE_REAL_TIME;
 
 // Whether a look between the last place and `to` met something that neither end shows; or the way is too long to look along.

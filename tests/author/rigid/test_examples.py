@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from palpate.assets import SCENE_FOLDER
 from palpate.author.command_line import main
@@ -13,10 +14,10 @@ from palpate.author.errors import InputError
 from palpate.author.rigid.cook import cooked_rigid
 from palpate.author.rigid.examples import EXAMPLES, MASS, run_example
 from palpate.author.rigid.formations import formation_table, keys_of
-from palpate.author.rigid.known_configurations import BALL, CROSS, identified
+from palpate.author.rigid.known_configurations import BALL, CROSS, PEG, PLATE, identified
 from palpate.author.rigid.picture import example_picture
 from palpate.author.rigid.scene import load_rigid_scene
-from palpate.runtime.rigid import RESPONSE, Rigid, RigidSession, Status
+from palpate.runtime.rigid import RESPONSE, Region, Rigid, RigidSession, Status
 
 SCENE = SCENE_FOLDER / "rigid" / "ball_on_bars.toml"
 
@@ -35,6 +36,30 @@ def test_an_example_is_drawn(tmp_path):
 def test_formations_are_named_rightly_under_noise():
     known = identified(1300, seed=5)
     assert known["right"] >= 0.999, known["cases"]
+
+
+def test_a_table_names_no_formation_less_rightly():
+    plain, listed = (identified(1300, 0.3, seed=5, samples=n)["cases"] for n in (0, 300))
+    assert all(listed[name] >= plain[name] for name in plain)
+
+
+def in_the_corner(turned):
+    """The peg's two faces half an eps from two walls, then turned about the vertical, rad; its formation's keys."""
+    position = np.array([0.02 - 5e-4, 0.02 - 5e-4, 0.0])
+    orientation = Rotation.from_rotvec([0, 0, turned]).as_quat()
+    return position[None], orientation[None]
+
+
+def test_of_contacts_within_a_digital_error_the_valid_combination_is_taken():
+    plain = Rigid(cooked_rigid(PEG, PLATE, MASS))
+    level = plain.identify(*in_the_corner(0.0))[0]
+    tilted = plain.identify(*in_the_corner(-0.02))[0]  # one face's far corners are over eps away
+    both = keys_of(level)
+    assert level["contact"]["region"][:2].tolist() == [Region.PLANE, Region.PLANE] and keys_of(tilted) != both
+    listed = Rigid(cooked_rigid(PEG, PLATE, MASS, formations=(both,))).identify(*in_the_corner(-0.02))[0]
+    assert keys_of(listed) == both and listed["formation"] == 0
+    other = Rigid(cooked_rigid(PEG, PLATE, MASS, formations=(keys_of(tilted), both)))
+    assert keys_of(other.identify(*in_the_corner(-0.02))[0]) == keys_of(tilted)
 
 
 def test_a_ball_on_two_cylinders_has_the_three_formations_of_two_contacts_that_the_table_finds():

@@ -31,12 +31,14 @@ BAD = Status.JUMP | Status.STALE | Status.BAD_INPUT | Status.TOO_DEEP | Status.W
 @dataclass(frozen=True)
 class Example:
     """Attributes:
+    story: what moves, in a few words.
     path: positions (n, 3) m of the centre of mass, orientations (n, 4), one for each tick of `dt` s.
     checks: from responses to (what has to come out, whether it did).
     variants: further paths of the same scene, by name.
     """
 
     name: str
+    story: str
     held: Body
     fixed: Body
     path: tuple[np.ndarray, np.ndarray]
@@ -124,7 +126,14 @@ def peg_and_hole() -> Example:
             ("the new wall is a motion that gains a contact", Motion.GAINED in out["motion"]),
         ]
 
-    return Example("peg and hole", PEG, PLATE, _still(path), checks)
+    return Example(
+        "peg and hole",
+        "a box goes down a hole, to one wall, along it to the next, then up",
+        PEG,
+        PLATE,
+        _still(path),
+        checks,
+    )
 
 
 def pen_and_bowl() -> Example:
@@ -179,7 +188,14 @@ def pen_and_bowl() -> Example:
             ("the tip slides with mu_D", both["contact"]["sliding"][-1, :2].any()),
         ]
 
-    return Example("pen and bowl", body, dish, (position, orientation), checks)
+    return Example(
+        "pen and bowl",
+        "a pen slides with its tip in a bowl and its shaft on the rim",
+        body,
+        dish,
+        (position, orientation),
+        checks,
+    )
 
 
 def cylinder_and_pipe() -> Example:
@@ -212,7 +228,14 @@ def cylinder_and_pipe() -> Example:
             ("leaving it is a motion that breaks a contact", Motion.CHANGED in out["motion"]),
         ]
 
-    return Example("cylinder and pipe", body, pipe, _still(path, lying), checks)
+    return Example(
+        "cylinder and pipe",
+        "a rod lies down along a bar, is dragged to a post, and back",
+        body,
+        pipe,
+        _still(path, lying),
+        checks,
+    )
 
 
 def ball_on_two_cylinders() -> Example:
@@ -243,7 +266,14 @@ def ball_on_two_cylinders() -> Example:
             ),
         ]
 
-    return Example("ball on two cylinders", sphere(0.02), CROSS, _still(path), checks)
+    return Example(
+        "ball on two cylinders",
+        "a ball slides upward in the corner of two crossing bars",
+        sphere(0.02),
+        CROSS,
+        _still(path),
+        checks,
+    )
 
 
 def rotation_about_a_point() -> Example:
@@ -277,7 +307,14 @@ def rotation_about_a_point() -> Example:
             ),
         ]
 
-    return Example("rotation about a point", rod, bar, (centre, lying.as_quat()), checks)
+    return Example(
+        "rotation about a point",
+        "a rod on a bar turns by 40 degrees about where it touches",
+        rod,
+        bar,
+        (centre, lying.as_quat()),
+        checks,
+    )
 
 
 def guarded_hit() -> Example:
@@ -305,6 +342,7 @@ def guarded_hit() -> Example:
 
     return Example(
         "guarded hit",
+        "a rod hits a floor 20 degrees off the normal, at constant speed, and with 2 m/s2 along it",
         cylinder(0.02, 0.08),
         plane(1, 1),
         path(0.0),

@@ -34,7 +34,7 @@ was steady."""
 AHEAD, ACROSS = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
 
 
-def partial_slip_rows(refinement: float = 1.8) -> Iterator[Row]:
+def partial_slip_rows(refinement: float = 2.5) -> Iterator[Row]:
     """Force and stick radius on the way to gross slip, and gross slip itself, at d = 0.025 R."""
     material, depth = NeoHookean(5400.0, 0.48), 0.025 * RADIUS
     site = open_site(

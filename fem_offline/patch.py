@@ -135,7 +135,7 @@ def refine(organ: Organ, carved: np.ndarray, centre: np.ndarray, size: PatchSize
     edge_length = size.on(organ, centre, organ.project(centre[None])[1][0])
     for step in range(passes):
         points, tets, label, faces, face_kind, quality = _remesh(
-            points, tets, label, faces, face_kind, centre, size.growth, edge_length
+            points, tets, label, faces, face_kind, centre, size, edge_length
         )
         points = _lay_on_surface(points, tets, faces, face_kind, organ, step == passes - 1)
     volumes = _volumes(points, tets)
@@ -176,7 +176,7 @@ def _volumes(points: np.ndarray, tets: np.ndarray) -> np.ndarray:
     return np.linalg.det(x[:, 1:] - x[:, :1]) / 6.0
 
 
-def _remesh(points, tets, label, faces, face_kind, centre, growth: float, edge_length):
+def _remesh(points, tets, label, faces, face_kind, centre, size: PatchSize, edge_length):
     import mmgpy
 
     mesh = mmgpy.MmgMesh3D()
@@ -188,9 +188,12 @@ def _remesh(points, tets, label, faces, face_kind, centre, growth: float, edge_l
     if len(required):
         mesh.set_required_triangles(required.astype(np.int32))
     mesh["metric"] = (edge_length(points) / MILLIMETRE)[:, None]
+    off = max(
+        2.0, 0.1 * size.radius / MILLIMETRE
+    )  # from the surface, which vertices are laid onto afterwards
     try:
         # hgradreq -1: else the interface's coarse triangles spread their size inwards and the contact stays coarse
-        mesh.remesh(hausd=2.0, angle=0, hgrad=1.0 + 2.5 * growth, hgradreq=-1.0, verbose=-1)
+        mesh.remesh(hausd=off, angle=0, hgrad=1.0 + 2.5 * size.growth, hgradreq=-1.0, verbose=-1)
     except RuntimeError as error:
         raise PatchError(f"mmg failed at {centre}: {error}") from error
     tets, refs = mesh.get_tetrahedra_with_refs()

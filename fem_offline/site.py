@@ -36,6 +36,9 @@ FIDELITIES = ("linear", "near_field", "full")
 COARSEST = 8e-3
 """m; edges of a patch, unless its finest are above half of that: a tool of a metre is not meshed by the millimetre."""
 
+COARSEST_SHARE = 0.4
+"""Of the radius of a patch that was widened, for its coarsest edges; COARSEST has it of the usual 20 mm."""
+
 NARROWEST = 1.2
 """Least radius of a patch over the mean edge of the organ's tetrahedra that it replaces.  With 0.64 (tools of 3 mm in
 tetrahedra of 10 mm) forces are off by 2 to 10 %, with 0.8 by 0.8 %, with 0.97 by 0.6 %, and the near field's estimate
@@ -155,7 +158,7 @@ def open_site(
     carved = carve(organ, centre, size.radius)
     least = NARROWEST * _mean_edge(organ, carved)
     if size.radius < least:
-        size = replace(size, radius=least)
+        size = replace(size, radius=least, coarsest=max(size.coarsest, COARSEST_SHARE * least))
         carved = carve(organ, centre, least)
     patch = refine(organ, carved, centre, size)
     space, held = patch_space(organ, patch)

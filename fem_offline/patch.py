@@ -188,9 +188,8 @@ def _remesh(points, tets, label, faces, face_kind, centre, size: PatchSize, edge
     if len(required):
         mesh.set_required_triangles(required.astype(np.int32))
     mesh["metric"] = (edge_length(points) / MILLIMETRE)[:, None]
-    off = max(
-        2.0, 0.1 * size.radius / MILLIMETRE
-    )  # from the surface, which vertices are laid onto afterwards
+    # how far mmg may be off the surface, onto which vertices are laid afterwards
+    off = max(2.0, 0.25 * size.coarsest / MILLIMETRE)
     try:
         # hgradreq -1: else the interface's coarse triangles spread their size inwards and the contact stays coarse
         mesh.remesh(hausd=off, angle=0, hgrad=1.0 + 2.5 * size.growth, hgradreq=-1.0, verbose=-1)

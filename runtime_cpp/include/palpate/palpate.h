@@ -235,7 +235,7 @@ typedef struct palpate_config {
 /* Sets *config to the defaults above, reference point at the grip; sets config->size. */
 PALPATE_API void palpate_config_default(palpate_config* config) PALPATE_NOEXCEPT;
 
-/* Bytes that a session needs (about 3 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
+/* Bytes that a session needs (about 4.6 kB), aligned to 8.  Its state is trivially copyable: a copy of the bytes is a
  * snapshot that can be ticked, replayed or restored in the same process while the field is open. */
 PALPATE_API size_t palpate_session_size(void) PALPATE_NOEXCEPT;
 

@@ -28,7 +28,7 @@ LOOSE = 1.0e-2
 """Residual at which multipliers are updated; a better one does not survive the update."""
 PATH = 1.0e-5
 """Residual of steps on the way with friction; they are remembered."""
-PENALTY_RANGE = (8.0, 120.0)
+PENALTY_RANGE = (12.0, 120.0)
 """Of the penalty over E, times the contact's size: a contact of 40 um that has 8 per mm gave three quarters of its
 force, and one of 0.2 m is over-constrained, as the stick radius of partial slip is from 25 on (off by 12 % instead of
 3).  A ball of 5 mm, 1 to 5 mm deep, has 18 to 40."""

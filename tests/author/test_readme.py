@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the README shows is true: its scene is legal, its commands exist, its sentences are the program's own."""
+"""What the README shows is true: its scene is legal, its C compiles, its commands, pages and sentences exist."""
 
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -53,6 +55,38 @@ def test_the_readme_lists_the_registered_commands_and_no_others() -> None:
     }
     visible |= {group.name for group in app.registered_groups if group.name}
     assert told == visible
+
+
+def test_the_c_of_the_readme_compiles(folder: Path) -> None:
+    compiler = shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("needs gcc")
+    source = folder / "readme.c"
+    source.write_text(
+        "#include <stdlib.h>\n#include <palpate/palpate.h>\n"
+        "void read_the_device(double* position);\n"
+        "void send_to_the_device(const double* force, const double* torque);\n"
+        "void host(void);\n"
+        "void host(void) {\npalpate_field* field;\npalpate_session* session;\nchar why[256];\n"
+        + block("the loop")
+        + "}\n"
+    )
+    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
+    include = ROOT / "runtime_cpp" / "include"
+    subprocess.run([compiler, *flags, f"-I{include}", source], check=True)
+
+
+@pytest.mark.parametrize(
+    "page", [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))], ids=lambda p: p.name
+)
+def test_links_lead_somewhere(page: Path) -> None:
+    text = page.read_text()
+    linked = re.findall(r"\]\((?!https?:)([^)#]+)", text)
+    assert not [link for link in linked if not (page.parent / link).exists()]
+
+
+def test_every_page_is_named_in_the_readme() -> None:
+    assert not [page.name for page in (ROOT / "docs").glob("*.md") if f"(docs/{page.name})" not in README]
 
 
 def test_the_main_command_names_a_shipped_scene() -> None:

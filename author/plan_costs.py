@@ -189,7 +189,7 @@ def _textures(scene: Scene, chosen: Sequence[Tool], masks: int) -> dict[str, Any
         "presses": 0,
         "cpu_seconds": 0.0,
         "bytes": len(chosen) * (152 + 160 * groups + (masks if masked else 0)),
-        "tick_ns": 18.0 + 14.0 * groups + (25.0 if masked else 0.0),  # tests/benchmarks/layer_ticks.py
+        "tick_ns": 17.0 + 10.0 * groups + (12.0 if masked else 0.0),  # tests/benchmarks/layer_ticks.py
     }
 
 

@@ -43,7 +43,7 @@ struct amplitude_cell {
     double channels[kept_channels / 4][27][4];
 };
 
-// Of the four masks of a texture, in the same order; where all are 0, nothing but the cell.
+// Of the four masks of a texture, in the same order; of one alone, the first nine as of the distance.  Where all are 0, nothing but the cell.
 struct mask_cell {
     std::uint32_t cell[4];
     double corner[4];

@@ -101,31 +101,41 @@ PALPATE_APART void limit_force(const palpate_config& config, const tissue& under
     }
 }
 
-// The texture's gains follow the limits of what moves: U does not rise, and what it falls by is dissipated.
-PALPATE_APART void limit_gains(palpate_session& s, const motion& m, const tissue& under, double offset, texture_here& texture,
-                               response& r) noexcept {
-    double wanted[texture_wave_limit];
-    if (!s.touching || !wanted_gains(s.texture, *s.field, m.step, m.dt, wanted)) return;
-    const texture_state before = s.texture;
-    if (!change_gains(s.texture, *s.field, m.q, m.step, wanted, false)) return;
-    const texture_here felt = texture;
-    texture_at(*s.field, s.texture.amplitude, m.q, s.under_masks, texture);
-    response changed;
-    respond_at(under, offset, changed);
-    if (changed.energy <= r.energy) {
-        s.books.dissipated_rule += r.energy - changed.energy;
-        r = changed;
-    } else {
-        s.texture = before;
-        texture = felt;
-    }
+// What the turn of a texture's gains changed.
+struct gain_turn {
+    double gain[4];        // of the group, before
+    double height_change;  // m; at m.q
+    bool changed;
+};
+
+// The texture at m.q after the gains of one group had their turn.
+PALPATE_INLINE void turn_gains(palpate_session& s, const motion& m, texture_here& texture, gain_turn& turn) noexcept {
+    const texture_ground& ground = s.field->texture;
+    double now[4];
+    for (std::uint32_t i = 0; i < 4; ++i) turn.gain[i] = s.texture.gain[4 * s.texture.turn + i];
+    s.texture.walked += std::sqrt(dot(m.step, m.step));
+    turn.changed = s.field->contract->texture_in_turn(ground, s.texture, m.q, m.step, longest_step(s.texture, m.dt), s.under_masks, now,
+                                                      &turn.height_change);
+    set_here(ground, now, texture);
 }
 
-// At a first contact nothing holds energy yet.
-PALPATE_APART void begin_gains(palpate_session& s, const motion& m) noexcept {
-    double wanted[texture_wave_limit];
-    wanted_gains(s.texture, *s.field, m.step, m.dt, wanted);
-    change_gains(s.texture, *s.field, m.q, m.step, wanted, true);
+// U there with the old gains.
+PALPATE_APART double energy_before(const tissue& under, double offset, const gain_turn& turn) noexcept {
+    texture_here before = *under.texture;
+    before.height -= turn.height_change;
+    return energy_again(*under.field, under.amplitudes, felt_depth(before, under.depth - offset, under.distance_gradient).depth);
+}
+
+// What the turn lowered U by, from `before`, is dissipated; where it would have raised it (U falls with depth), it is taken back.
+PALPATE_APART void account_for_turn(palpate_session& s, const motion& m, const tissue& under, double offset, const gain_turn& turn,
+                                    double before, texture_here& texture, response& r) noexcept {
+    if (r.energy <= before) {
+        s.books.dissipated_rule += before - r.energy;
+        return;
+    }
+    take_back_turn(s.texture, *s.field, turn.gain);
+    texture_at(*s.field, s.texture.amplitude, m.q, s.under_masks, texture);
+    respond_at(under, offset, r);
 }
 
 // Settles, limits and tells.  On entry `spring` has been carried and turned, and E = r.energy + held is what the accounts say is stored;
@@ -230,9 +240,16 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
     double offset;
     texture_here texture;
     const bool textured = !PALPATE_EXPECTED(s.field->texture.group_count == 0);
+    gain_turn turn;
+    bool turns = false;
     if (textured) {
-        if (!s.touching) begin_gains(s, m);
-        texture_at(*s.field, s.texture.amplitude, m.q, s.under_masks, texture);
+        turns = s.touching && gains_move(s.texture, s.field->texture, dot(m.step, m.step), m.dt);
+        if (turns && one_cell) {
+            turn_gains(s, m, texture, turn);
+        } else {
+            if (!s.touching) touch_texture(s.texture, *s.field, m.step, m.dt);
+            texture_at(*s.field, s.texture.amplitude, m.q, s.under_masks, texture);
+        }
         under.texture = &texture;
     }
     if (one_cell) {
@@ -259,11 +276,18 @@ bool contact(palpate_session& s, const motion& m, const location& at, std::uint3
         s.entry = gate::closed;
         return false;
     }
-    hold(s.books, m.work, s.energy + spring_energy(s.spring), r.energy + held);
+    double touched = r.energy;  // with the gains that were
+    if (textured && turns && one_cell && turn.changed) touched = energy_before(under, offset, turn);
+    hold(s.books, m.work, s.energy + spring_energy(s.spring), touched + held);
     if (!one_cell) change_touch(s, m, under, offset, r, status);
-    if (textured && gains_move(s.texture, s.field->texture, dot(m.step, m.step), m.dt)) {
-        limit_gains(s, m, under, offset, texture, r);
-        if (s.texture.limited) status |= PALPATE_TICK_TEXTURE_LIMITED;
+    if (textured) {
+        if (turns && !one_cell) {
+            touched = r.energy;
+            turn_gains(s, m, texture, turn);
+            if (turn.changed) respond_at(under, offset, r);
+        }
+        if (turns && turn.changed) account_for_turn(s, m, under, offset, turn, touched, texture, r);
+        if (s.texture.limited != 0) status |= PALPATE_TICK_TEXTURE_LIMITED;
     }
 
     if (s.config.passivity_control != 0) {

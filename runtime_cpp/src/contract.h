@@ -19,6 +19,7 @@ namespace palpate {
 
 struct response;
 struct texture_ground;
+struct texture_state;
 
 struct amplitude_sums {
     double value[rfield_channel_limit + 4];  // four zeros after the last channel, so that any channel begins a quad
@@ -61,6 +62,13 @@ struct contraction {
     // Of waves with these amplitudes (m): height (m) and its gradient at (x, y, z); layers/texture.h.
     void (*texture)(const texture_ground& ground, const double* amplitude, double x, double y, double z, mask_cell& kept,
                     double height_and_gradient[4]) PALPATE_REAL_TIME;
+    // The same of a session's waves at q as the tool moved there by `step` (m), after the gains of the group whose turn it is went towards
+    // what the limits leave of them: by no more than the wavelengths that were walked since its last turn, 0 where a step of `reach`
+    // wavelengths is reached, and only where that lowers the height.  True where that changed something at q: the height by *height_change.
+    bool (*texture_in_turn)(const texture_ground& ground, texture_state& t, const double q[3], const double step[3], double reach,
+                            mask_cell& kept, double height_and_gradient[4], double* height_change) PALPATE_REAL_TIME;
+    // The energy (J) of a response, from amplitudes at another depth; the same bits.
+    double (*energy_from)(const palpate_field& field, const amplitude_sums& amplitudes, double depth) PALPATE_REAL_TIME;
     // Has the caches get what lies under q in both lattices, in the box and where that is another cell than `last` time; nobody waits.
     void (*fetch_cells)(const palpate_field& field, double x, double y, double z, fetched_cells& last) PALPATE_REAL_TIME;
 };

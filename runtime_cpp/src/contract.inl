@@ -12,6 +12,17 @@
 namespace palpate {
 namespace PALPATE_ISA {
 
+// A, B, C along x of rows that are A, B, C along y: the rows of a cell of one channel.
+PALPATE_INLINE void store_rows(const quad (&c)[3][3], double rows[9][4]) noexcept {
+    PALPATE_UNROLL_3
+    for (int j = 0; j < 3; ++j) {
+        const forms f(c[0][j], c[1][j], c[2][j]);
+        store(rows[j], f.A);
+        store(rows[3 + j], f.B);
+        store(rows[6 + j], f.C);
+    }
+}
+
 // ...into a cell: the distance's counts, times cut_scale.  False, and no cell, unless all 27 are stored.
 bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& kept) noexcept {
     const corners row(L, kept.cell);
@@ -40,23 +51,17 @@ bool enter(const lattice& L, const std::int16_t* coefficients, distance_cell& ke
         c[a][1] = f.B;
         c[a][2] = f.C;
     }
-    PALPATE_UNROLL_3
-    for (int j = 0; j < 3; ++j) {
-        const forms f(c[0][j], c[1][j], c[2][j]);
-        store(kept.along_z[j], f.A);
-        store(kept.along_z[3 + j], f.B);
-        store(kept.along_z[6 + j], f.C);
-    }
+    store_rows(c, kept.along_z);
     return true;
 }
 
-// At t in the kept cell.
-PALPATE_INLINE void distance_in(const palpate_field& field, const distance_cell& kept, const quad& t, double depth_and_gradient[4]) noexcept {
+// (8 value, 4 dx, 4 dy, 4 dz) at t in a cell of one channel, whose lanes run along z (distance_cell::along_z); derivatives per cell.
+PALPATE_INLINE quad one_channel_in(const double rows[9][4], const quad& t) noexcept {
     const quad x = lane<0>(t), y = lane<1>(t);
     quad s[3], sy[3];
     PALPATE_UNROLL_3
     for (int i = 0; i < 3; ++i) {
-        const double(*c)[4] = kept.along_z + 3 * i;
+        const double(*c)[4] = rows + 3 * i;
         const value_slope along_y(load(c[0]), load(c[1]), load(c[2]), y);
         s[i] = along_y.value;
         sy[i] = along_y.slope;
@@ -67,8 +72,12 @@ PALPATE_INLINE void distance_in(const palpate_field& field, const distance_cell&
     taps_of(along_x.value, along_x.slope, twice_value(sy[0], sy[1], sy[2], x), tap);
     const forms f(tap[0], tap[1], tap[2]);
     const value_slope along_z(f.A, f.B, f.C, lane<2>(t));
-    const quad sums = with_fourth(along_z.value, along_z.slope);
-    store(depth_and_gradient, load(field.distance_scale) * sums + load(field.distance_shift));
+    return with_fourth(along_z.value, along_z.slope);
+}
+
+// At t in the kept cell.
+PALPATE_INLINE void distance_in(const palpate_field& field, const distance_cell& kept, const quad& t, double depth_and_gradient[4]) noexcept {
+    store(depth_and_gradient, load(field.distance_scale) * one_channel_in(kept.along_z, t) + load(field.distance_shift));
 }
 
 // Apart, or every tick pays for the registers that this one needs.
@@ -406,6 +415,24 @@ void respond(const palpate_field& field, double px, double py, double pz, double
 void response_from(const palpate_field& field, const amplitude_sums& sums, double depth, const double distance_gradient[3],
                    response& found) PALPATE_REAL_TIME {
     combine(field, sums, depth, distance_gradient, found);
+}
+
+double energy_from(const palpate_field& field, const amplitude_sums& a, double depth) PALPATE_REAL_TIME {
+    const depth_curves& curves = field.curves;
+    quad energy = all(0.0);
+    for (std::int32_t i = 0; i < curves.set_count; ++i) {
+        const curve_row row(curves.sets[i], curves.padded, depth);
+        const quad x = all(row.x), x2 = all(row.x * row.x);
+        for (std::int64_t first = 0; first < curves.padded && first < field.gradient_channels; first += 4) {
+            const double* const c = row.c + first;
+            const std::int64_t padded = curves.padded;
+            const quad phi = (load(c) + load(c + padded) * x) + x2 * (load(c + 2 * padded) + load(c + 3 * padded) * x);
+            energy = energy + (phi * load(a.value + first)) * load(curves.of_energy + first);
+        }
+    }
+    double sum[4];
+    store(sum, sums_of_four(energy, energy, energy, energy));
+    return sum[0];
 }
 
 }  // namespace PALPATE_ISA

@@ -9,6 +9,7 @@ namespace palpate {
 
 const contraction contraction_avx2 = {
     avx2::distance, avx2::go_to, avx2::respond, avx2::gather_amplitudes, avx2::amplitudes,
-    avx2::response_from, avx2::texture, avx2::fetch_cells};
+    avx2::response_from, avx2::texture, avx2::texture_in_turn,
+    avx2::energy_from, avx2::fetch_cells};
 
 }  // namespace palpate

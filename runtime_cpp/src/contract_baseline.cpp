@@ -9,7 +9,8 @@ namespace palpate {
 
 const contraction contraction_baseline = {
     baseline::distance, baseline::go_to, baseline::respond, baseline::gather_amplitudes, baseline::amplitudes,
-    baseline::response_from, baseline::texture, baseline::fetch_cells};
+    baseline::response_from, baseline::texture, baseline::texture_in_turn,
+    baseline::energy_from, baseline::fetch_cells};
 
 const contraction& contraction_here() noexcept {
 #if defined(PALPATE_HAS_AVX2)

@@ -60,6 +60,14 @@ inline quad three(double a, double b, double c) noexcept { return {_mm256_set_pd
 inline quad four(double a, double b, double c, double d) noexcept { return {_mm256_set_pd(d, c, b, a)}; }
 // a > b ? a : b
 inline quad larger(quad a, quad b) noexcept { return {_mm256_max_pd(a.v, b.v)}; }
+// a < b ? a : b
+inline quad smaller(quad a, quad b) noexcept { return {_mm256_min_pd(a.v, b.v)}; }
+// a < b ? less : not_less
+inline quad where_less(quad a, quad b, quad less, quad not_less) noexcept {
+    return {_mm256_blendv_pd(not_less.v, less.v, _mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ))};
+}
+// a != b in some lane
+inline bool any_other(quad a, quad b) noexcept { return _mm256_movemask_pd(_mm256_cmp_pd(a.v, b.v, _CMP_NEQ_UQ)) != 0; }
 // (a0, a1, a2, b0)
 inline quad with_fourth(quad a, quad b) noexcept { return {_mm256_blend_pd(a.v, _mm256_permute4x64_pd(b.v, 0), 8)}; }
 inline quad operator+(quad a, quad b) noexcept { return {_mm256_add_pd(a.v, b.v)}; }
@@ -147,6 +155,18 @@ inline quad four(double a, double b, double c, double d) noexcept { return {pair
 inline quad larger(const quad& a, const quad& b) noexcept {
     const auto of = [](double x, double y) { return x > y ? x : y; };
     return {pair{of(a.low[0], b.low[0]), of(a.low[1], b.low[1])}, pair{of(a.high[0], b.high[0]), of(a.high[1], b.high[1])}};
+}
+inline quad smaller(const quad& a, const quad& b) noexcept {
+    const auto of = [](double x, double y) { return x < y ? x : y; };
+    return {pair{of(a.low[0], b.low[0]), of(a.low[1], b.low[1])}, pair{of(a.high[0], b.high[0]), of(a.high[1], b.high[1])}};
+}
+inline quad where_less(const quad& a, const quad& b, const quad& less, const quad& not_less) noexcept {
+    const auto low = [&](int i) { return a.low[i] < b.low[i] ? less.low[i] : not_less.low[i]; };
+    const auto high = [&](int i) { return a.high[i] < b.high[i] ? less.high[i] : not_less.high[i]; };
+    return {pair{low(0), low(1)}, pair{high(0), high(1)}};
+}
+inline bool any_other(const quad& a, const quad& b) noexcept {
+    return a.low[0] != b.low[0] || a.low[1] != b.low[1] || a.high[0] != b.high[0] || a.high[1] != b.high[1];
 }
 inline quad with_fourth(const quad& a, const quad& b) noexcept { return {a.low, pair{a.high[0], b.low[0]}}; }
 inline quad operator+(const quad& a, const quad& b) noexcept { return {a.low + b.low, a.high + b.high}; }

@@ -41,6 +41,11 @@ inline void respond_again(const palpate_field& field, const amplitude_sums& ampl
     field.contract->response_from(field, amplitudes, depth, distance_gradient, found);
 }
 
+// Its energy alone.
+inline double energy_again(const palpate_field& field, const amplitude_sums& amplitudes, double depth) noexcept {
+    return field.contract->energy_from(field, amplitudes, depth);
+}
+
 // Where the 27 coefficients under q are; false where the whole stencil lies outside the lattice: all amplitudes are zero.
 inline bool gather(const palpate_field& field, const double q[3], amplitude_taps& taps) noexcept {
     return field.contract->gather_amplitudes(field.amplitudes, field.amplitude_coefficients, q[0], q[1], q[2], taps);

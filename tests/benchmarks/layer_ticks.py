@@ -28,7 +28,9 @@ TICKS = 4000
 DT = 1e-4  # s
 SLOW, FAST = 5e-3, 30e-3  # m/s
 FADED = DeviceLimits(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1e-3)  # waves above 1 mHz are faded: all of them, for good
-FADING = DeviceLimits(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 10.0)  # at 30 mm/s some of them go and come
+FADING = DeviceLimits(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 10.0)  # at 30 mm/s some of them go
+SWING = 40
+"""Ticks at 30 mm/s, then as many at 3 mm/s, and so on: gains never come to rest."""
 
 
 def waves(count: int, masked: bool = False, limits: DeviceLimits | None = None) -> bytes:
@@ -50,14 +52,15 @@ def ringing() -> bytes:
     return transient_layer(1e3, np.array([0.01, 0.1]), force)
 
 
-def round_of(field: Field, speed: float) -> float:
+def round_of(field: Field, speed: float, swinging: bool = False) -> float:
     """ns a tick."""
     session = Session(field, Config(friction_coefficient=0.0))
     height = np.linspace(8e-3, 4e-3, 400)
     start = np.array([-4e-3, 0.0, 0.0])
     session.tick_batch(start + height[:, None] * [0.0, 0.0, 1.0], dt=DT)
     # There and back, so that every round stays in the field at any speed.
-    to_and_fro = 4e-3 - abs((speed * DT * np.arange(TICKS)) % 8e-3 - 4e-3)
+    slower = np.where(swinging & (np.arange(TICKS) // SWING % 2 == 1), 0.1, 1.0)
+    to_and_fro = 4e-3 - abs(np.cumsum(speed * DT * slower) % 8e-3 - 4e-3)
     path = start + [0.0, 0.0, 4e-3] + to_and_fro[:, None] * [1.0, 0.0, 0.0]
     begin = time.perf_counter()
     out = session.tick_batch(path, dt=DT)
@@ -81,6 +84,8 @@ def main() -> None:
         "texture, 16 waves with a mask, fast": (waves(16, masked=True), FAST),
         "texture, 16 waves with a mask, fast, faded": (waves(16, masked=True, limits=FADED), FAST),
         "texture, 16 waves with a mask, fast, fading": (waves(16, masked=True, limits=FADING), FAST),
+        "nothing, swinging": (None, FAST),
+        "texture, 16 waves with a mask, swinging": (waves(16, masked=True, limits=FADING), FAST),
         "transient, playing": (ringing(), SLOW),
     }
     fields = {
@@ -90,9 +95,9 @@ def main() -> None:
     least = dict.fromkeys(cases, np.inf)
     for _ in range(rounds):
         for name, (_, speed) in cases.items():
-            least[name] = min(least[name], round_of(fields[name], speed))
+            least[name] = min(least[name], round_of(fields[name], speed, "swinging" in name))
     for name, took in least.items():
-        alone = least["nothing, fast" if "fast" in name else "nothing"]
+        alone = least[next(f"nothing{way}" for way in (", fast", ", swinging", "") if way in name)]
         print(f"{name:45s} {took:6.1f} ns a tick, {took - alone:+6.1f}, {took / alone:5.2f} times")
 
 

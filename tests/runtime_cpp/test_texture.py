@@ -232,6 +232,70 @@ def test_what_is_too_fast_is_faded_without_making_energy_and_comes_back():
     assert balance - out["dissipated_rule"] == pytest.approx(0.0, abs=1e-14)
 
 
+def with_gains(texture: Texture, gain: np.ndarray) -> Texture:
+    """Amplitudes times a session's gains (16,), which count groups of four waves of one mask."""
+    scaled, first = [], 0
+    for waves in texture.waves:
+        count = len(waves.phase)
+        scaled.append(
+            dataclasses.replace(waves, amplitude=waves.amplitude * gain[first : first + count] + 1e-30)
+        )
+        first += 4 * -(-count // 4)
+    return dataclasses.replace(texture, waves=tuple(scaled))
+
+
+MASKED = dataclasses.replace(PATCHY, waves=tuple(dataclasses.replace(w, mask=0) for w in PATCHY.waves))
+
+
+@pytest.mark.parametrize("texture", [MIXED, PATCHY, MASKED])
+def test_gains_that_go_and_come_are_accounted_tick_by_tick(texture):
+    field = opened(texture)
+    session = Session(field, Config(friction_coefficient=0.0))
+    session.set_texture_limits(TextureLimits(structural_frequency=12.0))
+    dt, ticks = 1e-4, 600
+    speed = np.where(np.arange(ticks) // 100 % 2, 4e-3, 60e-3)  # m/s; k v from 1 to 90 Hz
+    at = above(field) - [0.0, 0.0, 0.5e-3]
+    path = at + np.cumsum(speed * dt)[:, None] * [0.7, -0.6, 0.0]
+    session.tick_batch(np.linspace(at + ABOVE, at, 2000), dt=dt)
+    twin = read_rfield(cook(textured(texture)))
+
+    def judged(point: np.ndarray, gain: np.ndarray):
+        layer = texture_bytes(with_gains(texture, gain))
+        return evaluate(dataclasses.replace(twin, layers={"texture": layer}), point[None])
+
+    gain, moved = session.texture_gain().copy(), 0
+    last = session.tick_batch(at[None], dt=dt)[0]
+    for q in path:
+        out = session.tick_batch(q[None], dt=dt)[0]
+        now = session.texture_gain().copy()
+        fell = out["dissipated_rule"] - last["dissipated_rule"]
+        assert fell >= 0.0 and booked(last, out) == pytest.approx(0.0, abs=1e-17)
+        assert bool(out["status"] & Tick.TEXTURE_LIMITED) == bool(np.any(now < 1.0))
+        if np.any(now != gain):
+            moved += 1
+            if moved % 10 == 1:
+                felt = judged(q, now)
+                assert out["force"] == pytest.approx(felt.force[0], abs=1e-9)
+                assert out["stored_energy"] == pytest.approx(felt.energy[0], rel=1e-9)
+                assert fell == pytest.approx(judged(q, gain).energy[0] - felt.energy[0], abs=1e-15)
+        gain, last = now, out
+    assert moved > 100 and last["dissipated_rule"] > 0.0
+
+
+def test_limits_that_come_while_touching_fade_it_wherever_the_tool_is():
+    field = opened(GRATING)
+    for cycles in (0.0, 0.25, 0.5, 0.75):  # on the crest, beside it, in the trough
+        session = Session(field, Config(friction_coefficient=0.0))
+        at = above(field) - [0, 0, 0.5e-3]
+        at[0] = (np.round(at[0] * K) + cycles) / K
+        session.tick_batch(np.linspace(at + ABOVE, at, 300), dt=1e-4)
+        session.set_texture_limits(TextureLimits(force_factor=1.0, force_resolution=1.0))
+        slow = at + 1e-6 * np.arange(3750)[:, None] * [1.0, 0.0, 0.0]  # three wavelengths
+        out = session.tick_batch(slow, dt=1e-4)
+        assert session.texture_gain()[0] == 0.0
+        assert out["force"][-1] == pytest.approx(opened(None).sample(slow[-1:])["force"][0], abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("limits", "gain"),
     [

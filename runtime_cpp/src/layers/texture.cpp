@@ -6,7 +6,8 @@
 //     A k < A_0                                the device cannot hold its slope       its gain is A_0 / (A k) at most
 //     alpha k v T < 1,  v k < F_0              too fast for the loop, the structure   its gain goes to 0 while that lasts
 // v k T = |k . step| is what one tick moved along the wave, in wavelengths.  A gain is part of the potential, not of the tool's place, so
-// it changes by the energy rule: only where that lowers h and with it U, and only while the tool moves.
+// it changes by the energy rule: only where that lowers h and with it U, and only while the tool moves.  Each tick looks at one group of
+// four waves (texture.inl), which may go as far as the tool moved since the group's last turn.
 #include "layers/texture.h"
 
 #include <cmath>
@@ -109,13 +110,25 @@ void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept {
     ground.stiffness = h.stiffness;
     ground.limits = h.limits;
     ground.k_squared = 0.0;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const double k = norm(ground.kx[i], ground.ky[i], ground.kz[i]);
+    for (std::uint32_t i = 0; i < texture_wave_limit; ++i) {
+        const double k = ground.spatial_frequency[i] = i < count ? norm(ground.kx[i], ground.ky[i], ground.kz[i]) : 0.0;
+        if (i >= count) continue;
         if (ground.amplitude[i] > 0.0 && k * k > ground.k_squared) ground.k_squared = k * k;
     }
     for (std::uint32_t g = 0; g < texture_group_limit; ++g) ground.mask_channel[g] = h.mask_channel[g];
     ground.masked = h.mask_stored > 0;
+    ground.sole_mask = -1;
     if (!ground.masked) return;
+    bool several = false;
+    for (std::uint32_t g = 0; g < h.group_count; ++g) {
+        const auto channel = static_cast<std::int32_t>(h.mask_channel[g]);
+        if (h.mask_channel[g] == texture_no_mask || channel == ground.sole_mask) continue;
+        several = several || ground.sole_mask >= 0;
+        ground.sole_mask = channel;
+    }
+    if (several) ground.sole_mask = -1;
+    ground.sole_scale[0] = 0.125;
+    for (int a = 1; a < 4; ++a) ground.sole_scale[a] = 0.25 / h.mask_spacing;
     const unsigned char* at = bytes.begin + (sizeof h + wave_bytes(h) + 63) / 64 * 64;
     set_lattice(ground.mask, h.mask_origin, h.mask_spacing, h.mask_blocks, reinterpret_cast<const std::int32_t*>(at),
                 texture_mask_limit, 4);
@@ -124,13 +137,9 @@ void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept {
 
 void texture_at(const palpate_field& field, const double* amplitude, const double q[3], mask_cell& kept,
                 texture_here& here) PALPATE_REAL_TIME {
-    const texture_ground& ground = field.texture;
     double sums[4];
-    field.contract->texture(ground, amplitude, q[0], q[1], q[2], kept, sums);
-    here.height = sums[0];
-    for (int a = 0; a < 3; ++a) here.gradient[a] = sums[1 + a];
-    here.fade_depth = ground.fade_depth;
-    here.inverse_fade_depth = ground.inverse_fade_depth;
+    field.contract->texture(field.texture, amplitude, q[0], q[1], q[2], kept, sums);
+    set_here(field.texture, sums, here);
 }
 
 void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TIME {
@@ -138,11 +147,11 @@ void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TI
     if (!t.own_limits) t.limits = ground.limits;
     const texture_limits& l = t.limits;
     t.cycles = l.time_factor > 0.0 ? 1.0 / l.time_factor : 0.0;
-    t.limited = true;  // until a tick has looked
+    t.restless = (1u << ground.group_count) - 1;  // until a tick has looked
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(texture_wave_limit); ++i) {
         t.most[i] = 1.0;
         if (i >= 4 * ground.group_count || !(ground.amplitude[i] > 0.0)) continue;
-        const double k = norm(ground.kx[i], ground.ky[i], ground.kz[i]), force = ground.stiffness * ground.amplitude[i];
+        const double k = ground.spatial_frequency[i], force = ground.stiffness * ground.amplitude[i];
         const double factor = l.time_factor > l.space_factor ? l.time_factor : l.space_factor;
         const bool coarse = factor * k * l.resolution >= 1.0, weak = force > 0.0 && l.force_factor * l.force_resolution >= force;
         if (coarse || weak) {
@@ -155,56 +164,39 @@ void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TI
 
 void begin_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TIME {
     limit_texture(t, field);
-    const texture_ground& ground = field.texture;
-    for (std::int32_t i = 0; i < static_cast<std::int32_t>(texture_wave_limit); ++i) {
-        t.gain[i] = t.most[i];
-        t.amplitude[i] = i < 4 * ground.group_count ? t.gain[i] * ground.amplitude[i] : 0.0;
-    }
+    const double still[3] = {0.0, 0.0, 0.0};
+    touch_texture(t, field, still, 1.0);
+    t.walked = 0.0;
+    for (double& at : t.turned_at) at = 0.0;
+    t.turn = 0;
 }
 
-bool wanted_gains(texture_state& t, const palpate_field& field, const double step[3], double dt, double* wanted) PALPATE_REAL_TIME {
+void touch_texture(texture_state& t, const palpate_field& field, const double step[3], double dt) PALPATE_REAL_TIME {
     const texture_ground& ground = field.texture;
     const double reach = longest_step(t, dt);
-    bool other = false, limited = false;
-    for (std::int32_t i = 0; i < 4 * ground.group_count; ++i) {
-        const double along = std::fabs(ground.kx[i] * step[0] + ground.ky[i] * step[1] + ground.kz[i] * step[2]);
-        wanted[i] = along >= reach ? 0.0 : t.most[i];
-        other |= wanted[i] != t.gain[i];
-        limited |= t.gain[i] < 1.0 && ground.amplitude[i] > 0.0;
+    t.limited = t.felt = 0;
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(texture_wave_limit); ++i) {
+        const bool there = i < 4 * ground.group_count;
+        const double along = there ? std::fabs(ground.kx[i] * step[0] + ground.ky[i] * step[1] + ground.kz[i] * step[2]) : 0.0;
+        t.gain[i] = along >= reach ? 0.0 : t.most[i];
+        t.amplitude[i] = there ? t.gain[i] * ground.amplitude[i] : 0.0;
+        if (there && t.amplitude[i] != ground.amplitude[i]) t.limited |= 1u << (i / 4);
+        if (t.amplitude[i] > 0.0) t.felt |= 1u << (i / 4);
     }
-    t.limited = limited;
-    return other;
+    t.restless = t.limited;
 }
 
-bool change_gains(texture_state& t, const palpate_field& field, const double q[3], const double step[3], const double* wanted,
-                  bool at_once) PALPATE_REAL_TIME {
+void take_back_turn(texture_state& t, const palpate_field& field, const double gain[4]) PALPATE_REAL_TIME {
     const texture_ground& ground = field.texture;
-    const double moved = std::sqrt(dot(step, step));
-    bool changed = false;
-    t.limited = false;
-    for (std::int32_t i = 0; i < 4 * ground.group_count; ++i) {
-        const double kx = ground.kx[i], ky = ground.ky[i], kz = ground.kz[i];
-        double change = wanted[i] - t.gain[i];
-        if (change != 0.0) {
-            const double most = at_once ? 1.0 : moved * norm(kx, ky, kz);
-            change = change > most ? most : change < -most ? -most : change;
-            bool lowers = at_once;
-            if (!at_once && change != 0.0) {
-                const double cycles = ((kx * q[0] + ky * q[1]) + kz * q[2]) + ground.phase[i];
-                const auto of = [](double x) { return x; };
-                double value = 0.0, slope = 0.0;
-                cosine_of_cycles(cycles - nearest(cycles, of), of, value, slope);
-                lowers = change * value <= 0.0;
-            }
-            if (change != 0.0 && lowers) {
-                t.gain[i] += change;
-                t.amplitude[i] = t.gain[i] * ground.amplitude[i];
-                changed = true;
-            }
-        }
-        t.limited = t.limited || (t.gain[i] < 1.0 && ground.amplitude[i] > 0.0);
+    const std::uint32_t g = (t.turn > 0 ? t.turn : static_cast<std::uint32_t>(ground.group_count)) - 1;
+    t.limited &= ~(1u << g);
+    for (std::uint32_t j = 0, i = 4 * g; j < 4; ++j, ++i) {
+        t.gain[i] = gain[j];
+        t.amplitude[i] = gain[j] * ground.amplitude[i];
+        if (t.amplitude[i] != ground.amplitude[i]) t.limited |= 1u << g;
     }
-    return changed;
+    t.restless |= 1u << g;
+    t.felt |= 1u << g;
 }
 
 }  // namespace palpate

@@ -74,11 +74,14 @@ struct texture_ground {
     const double* phase;         // cycles
     const double* amplitude;     // m, >= 0
     double fade_depth, inverse_fade_depth;  // m, 1/m
+    double spatial_frequency[texture_wave_limit];  // |k|, 1/m
     double k_squared;            // 1/m^2; of the finest wave
     double stiffness;            // N/m
     texture_limits limits;
     bool masked;
     std::uint32_t mask_channel[texture_group_limit];
+    std::int32_t sole_mask;  // the channel that all masked groups have; -1: several, or none
+    double sole_scale[4];    // (m, grad m) of its sums in one cell
     lattice mask;
     const float* mask_coefficients;
 };
@@ -96,32 +99,30 @@ struct texture_state {
     double gain[texture_wave_limit];       // of it, 0 to 1
     double most[texture_wave_limit];       // that the device's limits leave for ever
     double cycles;                         // largest step along a wave, in wavelengths, by the scanning limit; 0: none
-    bool limited;                          // some gain is below 1
+    double walked;                         // m; in contact, while gains may change
+    double turned_at[texture_group_limit];  // `walked` when the gains of each group last had their turn
+    std::uint32_t turn;                    // group whose gains are next
+    std::uint32_t limited;                 // a bit for each group: some gain is below 1
+    std::uint32_t restless;                // likewise, or not what it should be
+    std::uint32_t felt;                    // likewise: some amplitude is above 0
     bool own_limits;                       // `limits` were given to the session
     texture_limits limits;
 };
 
-// The cosine of x cycles, |x| <= 1/2, and its derivative, for scalars and lanes: with z = 1 - 4 x^2, -1 + z^2 Q(z), whose slope at
-// both ends is exactly zero, off by at most 1e-13.
+// The cosine of x cycles, |x| <= 1/2, and its derivative, for scalars and lanes: with z = 1 - 4 x^2, -1 + z^2 Q(z), whose slope
+// -8 x z P(z), P = sum (i + 2) Q_i z^i, is exactly zero at both ends; off by at most 2e-10.  Summed in thirds, not by Horner's rule,
+// which waits for each step.
 template <class T, class Of>
 PALPATE_INLINE void cosine_of_cycles(const T& x, Of of, T& value, T& slope) noexcept {
-    const T z = of(1.0) - of(4.0) * (x * x);
-    T Q = of(1.186697963563e-07), dQ = of(7 * 1.186697963563e-07);
-    Q = Q * z + of(3.1843272842808037e-06);
-    dQ = dQ * z + of(6 * 3.1843272842808037e-06);
-    Q = Q * z + of(7.48186496599138e-05);
-    dQ = dQ * z + of(5 * 7.48186496599138e-05);
-    Q = Q * z + of(0.0013066499031632753);
-    dQ = dQ * z + of(4 * 0.0013066499031632753);
-    Q = Q * z + of(0.01620248947141431);
-    dQ = dQ * z + of(3 * 0.01620248947141431);
-    Q = Q * z + of(0.1318619137623103);
-    dQ = dQ * z + of(2 * 0.1318619137623103);
-    Q = Q * z + of(0.6168502750801997);
-    dQ = dQ * z + of(0.6168502750801997);
-    Q = Q * z + of(1.2337005501360752);
-    value = (z * z) * Q - of(1.0);
-    slope = (of(-8.0) * x * z) * ((Q + Q) + z * dQ);
+    const T z = of(1.0) - of(4.0) * (x * x), z2 = z * z, z4 = z2 * z2;
+    const auto sum = [&](const double (&c)[6]) {
+        return ((of(c[0]) + of(c[1]) * z) + z2 * (of(c[2]) + of(c[3]) * z)) + z4 * (of(c[4]) + of(c[5]) * z);
+    };
+    constexpr double Q[6] = {1.2337004498466428, 0.6168516142877368,    0.13185525056589387,
+                             0.0162187217213286, 0.0012859124735048189, 8.805110489329415e-05};
+    constexpr double P[6] = {2 * Q[0], 3 * Q[1], 4 * Q[2], 5 * Q[3], 6 * Q[4], 7 * Q[5]};
+    value = z2 * sum(Q) - of(1.0);
+    slope = (of(-8.0) * x * z) * sum(P);
 }
 
 // The nearest whole number of |u| < 2^51.
@@ -129,6 +130,13 @@ template <class T, class Of>
 PALPATE_INLINE T nearest(const T& u, Of of) noexcept {
     constexpr double half_of_all = 6755399441055744.0;  // 1.5 * 2^52: what follows the point is rounded away
     return (u + of(half_of_all)) - of(half_of_all);
+}
+
+PALPATE_INLINE void set_here(const texture_ground& ground, const double height_and_gradient[4], texture_here& here) noexcept {
+    here.height = height_and_gradient[0];
+    for (int a = 0; a < 3; ++a) here.gradient[a] = height_and_gradient[1 + a];
+    here.fade_depth = ground.fade_depth;
+    here.inverse_fade_depth = ground.inverse_fade_depth;
 }
 
 // What the response is asked for instead of depth and grad phi, and what its answer means along the real depth.
@@ -167,13 +175,11 @@ void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TI
 // Full amplitudes, but for what the limits leave for ever.
 void begin_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TIME;
 
-// What the limits leave of each wave while a tool moves by `step` (m) in dt (s); true where some gain is another.
-bool wanted_gains(texture_state& t, const palpate_field& field, const double step[3], double dt, double* wanted) PALPATE_REAL_TIME;
+// What the limits leave for a tool that touches down with `step` (m) in dt (s), at once: nothing is touched that could hold energy.
+void touch_texture(texture_state& t, const palpate_field& field, const double step[3], double dt) PALPATE_REAL_TIME;
 
-// Gains go towards the wanted ones: at once when `at_once` (nothing is touched), else by no more than the wavelengths that the tool
-// moved, and only where that lowers h.  True when some gain changed.
-bool change_gains(texture_state& t, const palpate_field& field, const double q[3], const double step[3], const double* wanted,
-                  bool at_once) PALPATE_REAL_TIME;
+// The gains of the last turn go back to `gain`: what changed would have raised U.
+void take_back_turn(texture_state& t, const palpate_field& field, const double gain[4]) PALPATE_REAL_TIME;
 
 // The longest step along a wave that leaves it as it is, in wavelengths; infinite without limits.
 PALPATE_INLINE double longest_step(const texture_state& t, double dt) noexcept {
@@ -183,10 +189,10 @@ PALPATE_INLINE double longest_step(const texture_state& t, double dt) noexcept {
     return own < scanning ? own : scanning;
 }
 
-// Something may be to be done about gains: one is below 1, or the step (its square, m^2) is too long for the finest wave.
+// Something may be to be done about gains: one is not at rest, or the step (its square, m^2) is too long for the finest wave.
 PALPATE_INLINE bool gains_move(const texture_state& t, const texture_ground& ground, double length_squared, double dt) noexcept {
     const double reach = longest_step(t, dt);
-    return t.limited || length_squared * ground.k_squared > reach * reach;
+    return t.restless != 0 || length_squared * ground.k_squared > reach * reach;
 }
 
 }  // namespace palpate

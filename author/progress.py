@@ -25,6 +25,9 @@ from rich.text import Text
 
 __all__ = ["ConsoleProgress", "Progress", "SilentProgress"]
 
+SILENCE = 60.0
+"""s without a line, where lines are what people see, after which the next step tells again."""
+
 
 class Progress(Protocol):
     """What long work reports to."""
@@ -66,7 +69,7 @@ class _TimeLeft(ProgressColumn):
 
 
 class ConsoleProgress:
-    """Bars on a terminal; elsewhere one line for each stage, and one for each tenth of a counted one."""
+    """Bars on a terminal; elsewhere a line for each stage, for each tenth of a counted one, and after a minute."""
 
     def __init__(self) -> None:
         self._console = Console(file=sys.stderr)
@@ -85,6 +88,7 @@ class ConsoleProgress:
         self._total: int | None = None
         self._done = self._told = 0
         self._name, self._began = "", time.monotonic()
+        self._spoke = self._began
 
     def __enter__(self) -> ConsoleProgress:
         self._bars.start()
@@ -112,7 +116,9 @@ class ConsoleProgress:
             left = spent / self._done * (self._total - self._done)
         if self._task is not None:
             self._bars.update(self._task, advance=count, note=note, left=left)
-        elif self._total and (self._done * 10 // self._total) > self._told:
+        elif self._total and (
+            self._done * 10 // self._total > self._told or time.monotonic() - self._spoke > SILENCE
+        ):
             self._told = self._done * 10 // self._total
             told = [f"{self._name}: {self._done}/{self._total}", f"{spent:.0f} s", f"{left:.0f} s left", note]
             self._say(", ".join(part for part in told if part))
@@ -130,4 +136,5 @@ class ConsoleProgress:
         self._name = ""
 
     def _say(self, line: str) -> None:
+        self._spoke = time.monotonic()
         print(line, file=sys.stderr, flush=True)

@@ -25,6 +25,24 @@ def test_without_a_terminal_each_stage_and_each_tenth_is_a_line(capsys: pytest.C
     assert lines[13].startswith("pressing: done in")
 
 
+def test_without_a_terminal_slow_steps_are_told_every_minute(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = [100.0]
+    monkeypatch.setattr("palpate.author.progress.time.monotonic", lambda: now[0])
+    with ConsoleProgress() as progress:
+        progress.stage("pressing", 1000)
+        for _ in range(10):
+            now[0] += 25.0
+            progress.advance()
+    told = [line.split(",")[:2] for line in capsys.readouterr().err.splitlines()[1:-1]]
+    assert told == [
+        ["pressing: 3/1000", " 75 s"],
+        ["pressing: 6/1000", " 150 s"],
+        ["pressing: 9/1000", " 225 s"],
+    ]
+
+
 def test_silent_progress_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     progress = SilentProgress()
     progress.stage("pressing", 2)

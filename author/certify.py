@@ -73,9 +73,10 @@ def certify(
         speed_early, speed_late (m/s), rests}.
 
     Raises:
-        InputError: the file does not open, nothing in it is touched, or a number is out of range.
+        InputError: there is no file, nothing in it is touched, or a number is out of range.
+        RuntimeFailure: it is damaged.
     """
-    from palpate.runtime import Field, RuntimeFailure
+    from palpate.runtime import Field
 
     given = {
         "rate": rate,
@@ -96,12 +97,7 @@ def certify(
         problems.append(InputProblem(str(field), "", None, "does not exist", "an .rfield"))
     if problems:
         raise InputError(problems)
-    try:
-        opened = Field.open(field)
-    except RuntimeFailure as error:
-        raise InputError(
-            InputProblem(str(field), "", None, str(error), "an .rfield of this version")
-        ) from error
+    opened = Field.open(field)
     sigma, period = opened.info.stiffness_max, 1.0 / rate
     places = _contacts(opened)
     if not len(places):

@@ -28,8 +28,9 @@ __all__ = [
 
 _REFUSALS = (SurfaceError, MeshError, SupportError, ToolError, FieldError)
 """How the rooms below, which cannot import this one, refuse an input."""
-_REFUSED_FIELD = range(4, 12)
-"""Those palpate_status values that say that an .rfield is damaged or of another version (palpate.h)."""
+_REFUSED_FIELD = range(4, 14)
+"""Those palpate_status values that say that an .rfield is damaged, of another version, or has what this runtime has not
+(palpate.h)."""
 
 
 @dataclass(frozen=True)

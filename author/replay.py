@@ -74,21 +74,17 @@ def replay(
 
     Raises:
         InputError: a file is missing or no table of numbers, a column is missing or has not one usable row.
+        RuntimeFailure: the .rfield is damaged, or a number is out of range.
     """
-    from palpate.runtime import Config, Field, RuntimeFailure, Session
+    from palpate.runtime import Config, Field, Session
 
     table = read_trace(trace)
     if not field.is_file():
         raise InputError(InputProblem(str(field), "", None, "does not exist", "an .rfield"))
     if out is not None and out.suffix not in (".csv", ".npz"):
         raise InputError(InputProblem("", "--out", str(out), "has an unknown ending", ".csv or .npz"))
-    try:
-        opened = Field.open(field)
-        session = Session(opened, Config(friction_coefficient=friction, force_max=force_max))
-    except RuntimeFailure as error:
-        raise InputError(
-            InputProblem(str(field), "", None, str(error), "an .rfield of this version")
-        ) from error
+    opened = Field.open(field)
+    session = Session(opened, Config(friction_coefficient=friction, force_max=force_max))
     wholes = {
         whole: np.stack([table[name] for name in parts], axis=1) if parts[0] in table else None
         for whole, parts in WHOLES.items()

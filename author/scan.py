@@ -19,7 +19,7 @@ from palpate.author.authored_tool import AuthoredTool, authored_tool
 from palpate.author.errors import InputError, InputProblem, PalpateError
 from palpate.author.report.verdict import JUST_NOTICEABLE
 from palpate.author.scan_found import Found, against_truth, find, shadow
-from palpate.author.scan_grid import ScanGrid, scan_grid
+from palpate.author.scan_grid import FEWEST, SQUARES, ScanGrid, scan_grid
 from palpate.fem_offline.pose import tilted
 
 __all__ = ["SPEED", "scan", "scan_lines", "slide"]
@@ -70,7 +70,7 @@ def scan(
     try:
         grid = scan_grid(authored.mesh, authored.samples, step)
     except ValueError as error:
-        raise InputError(InputProblem(str(asset), "--step", step, str(error), "a smaller step")) from None
+        raise _unusable_step(asset, step, str(error)) from None
     session = Session(quasi_static(cook(authored.field)), Config())
     responses = slide(session, grid, authored.field.tool.offset, depth, authored.shape.tilt)
     felt = responses["region"] == CONTACT
@@ -81,6 +81,8 @@ def scan(
     force = np.sum(responses["force"] * normal, axis=1)
     aside = np.linalg.norm(responses["force"] - force[:, None] * normal, axis=1)
     found = find(grid, force)
+    if not found.inside.any():
+        raise _unusable_step(asset, grid.step, f"leaves {len(force)} places, too few to see a border in")
     regions = _regions(authored, grid, found)
     result: dict[str, Any] = {
         "asset": str(asset),
@@ -142,6 +144,11 @@ def slide(session: Any, grid: ScanGrid, offset: float, depth: float, tilt: float
     inverse = np.empty(len(order), int)
     inverse[order] = np.arange(len(order))
     return responses[np.array(read)[inverse]]
+
+
+def _unusable_step(asset: Path, step: float | None, what: str) -> InputError:
+    expected = f"a length above 0 that makes {2 * FEWEST} to {SQUARES} places"
+    return InputError(InputProblem(str(asset), "--step", step, what, expected))
 
 
 def scan_lines(result: dict[str, Any]) -> str:

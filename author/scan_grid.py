@@ -25,6 +25,10 @@ MOST = 20_000
 """Grid points when no step is asked for, about; a finer grid shows no more."""
 STEP = 1e-3
 """m; the finest step that is taken unasked."""
+FEWEST = 9
+"""Grid points that make a map."""
+SQUARES = 4_000_000
+"""Of the view that a step may ask for; each costs some hundred bytes before the tool moves at all."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +79,10 @@ def scan_grid(mesh: OrganMesh, samples: ReachSamples, step: float | None = None)
         step: m; when None STEP, or what gives MOST points on a large reach.
 
     Raises:
-        ValueError: the step leaves fewer than 9 points.
+        ValueError: the step is not above 0, leaves fewer than FEWEST points, or makes more than SQUARES.
     """
+    if step is not None and not step > 0.0:
+        raise ValueError("is not above 0")
     points, normals = samples.points[samples.allowed], samples.normals[samples.allowed]
     eye = normals.mean(axis=0)
     eye /= np.linalg.norm(eye)
@@ -90,6 +96,9 @@ def scan_grid(mesh: OrganMesh, samples: ReachSamples, step: float | None = None)
     origin = points[seen].mean(axis=0)
     local = (points[seen] - origin) @ axes.T
     low, high = local[:, :2].min(axis=0), local[:, :2].max(axis=0)
+    squares = float(np.prod((high - low) / step))
+    if squares > SQUARES:
+        raise ValueError(f"makes {squares:.2g} places")
     across, up = (np.arange(low[k] + 0.5 * step, high[k], step) for k in (0, 1))
     column, row = (index.ravel() for index in np.meshgrid(np.arange(len(across)), np.arange(len(up))))
     plane = np.stack([across[column], up[row]], axis=1)
@@ -102,7 +111,7 @@ def scan_grid(mesh: OrganMesh, samples: ReachSamples, step: float | None = None)
     drift = np.linalg.norm((foot - origin) @ axes[:2].T - plane, axis=1)
     facing = normal @ eye
     kept = (drift < 0.5 * step) & (facing > FACING)
-    if kept.sum() < 9:
+    if kept.sum() < FEWEST:
         raise ValueError(f"leaves {kept.sum()} points on {1e4 * len(points) * samples.spacing**2:.2g} cm2")
     column, row = column[kept] - column[kept].min(), row[kept] - row[kept].min()
     return ScanGrid(

@@ -34,7 +34,9 @@ class Texture(Place):
         description="height: of a grating's crest, of noise its root mean square, of a profile its largest; "
         "a profile's own when absent",
     )
-    wavelength: Length | None = Field(default=None, description="of a grating, above 0")
+    wavelength: Annotated[float, Quantity("length", least=1e-6, most=0.1)] | None = Field(
+        default=None, description="of a grating"
+    )
     spatial_frequency: SpatialFrequency | None = Field(
         default=None, description="of a grating, instead of its wavelength"
     )

@@ -8,6 +8,7 @@ page shows at FRAMES; the browser draws as fast as it can.
 
 from __future__ import annotations
 
+import socket
 import sys
 import time
 import webbrowser
@@ -63,7 +64,8 @@ def view(
         real_time, contact_ticks, slip_ticks, force_max (N, as the page saw it).
 
     Raises:
-        InputError: no such asset or tool, or viser is not installed.  FieldError, RuntimeFailure: it is damaged.
+        InputError: no such asset or tool, no address of this machine, or viser is not installed.
+        FieldError, RuntimeFailure: it is damaged.
     """
     try:
         import viser
@@ -77,6 +79,7 @@ def view(
         what = f"is no tool of this asset{did_you_mean(tool, list(shown.tools))}"
         raise InputError(InputProblem(str(path), "--tool", tool, what, "one of " + "; ".join(shown.tools)))
     first = shown.tools[tool] if tool else next(iter(shown.tools.values()))
+    _refuse_host(host)
     server = viser.ViserServer(host=host, port=port, label=f"palpate: {shown.organ.name}", verbose=False)
     url = f"http://{host}:{server.get_port()}"
     try:
@@ -88,6 +91,18 @@ def view(
     finally:
         server.stop()
     return {"url": url, "asset": str(path), "tools": list(shown.tools), **ended}
+
+
+def _refuse_host(host: str) -> None:
+    """A server that cannot listen would wait for itself for ever."""
+    try:
+        family, _, _, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
+        socket.create_server(address[:2], family=family).close()
+    except OSError as error:
+        what = f"is no address of this machine ({error.strerror or error})"
+        raise InputError(
+            InputProblem("", "--host", host, what, "127.0.0.1, or 0.0.0.0 for every one it has")
+        ) from None
 
 
 class _Page:

@@ -117,6 +117,12 @@ def test_a_truncated_field_is_refused(length, tmp_path, capfd):
 
     path = tmp_path / "short.rfield"
     path.write_bytes(cook(field_of(KnownOrgan(), 12))[:length])
-    assert main(["inspect", str(path)]) == 2
-    err = capfd.readouterr().err
-    assert "short.rfield" in err and "Traceback" not in err
+    (tmp_path / "t.csv").write_text("dt,x,y,z\n0.001,0,0,0\n")
+    for command in (
+        ["inspect"],
+        ["certify", "--damping", "1", "--rate", "1000"],
+        ["replay", str(tmp_path / "t.csv")],
+    ):
+        assert main([command[0], str(path), *command[1:]]) == 2
+        err = capfd.readouterr().err
+        assert err.count("short.rfield") == 1 and "Traceback" not in err

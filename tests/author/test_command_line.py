@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import types
@@ -21,6 +22,7 @@ from palpate.author.command_line import app, main
 from palpate.author.errors import InputError, InputProblem, PalpateError, ToleranceNotMet, exit_code
 from palpate.fem_offline.errors import SurfaceError
 from palpate.fields.field_error import FieldError
+from palpate.runtime import RuntimeFailure
 
 RESULT: dict[str, Any] = {
     "asset": Path("out/block"),
@@ -156,6 +158,18 @@ def test_a_bug_ends_with_3_and_its_traceback(
 )
 def test_every_error_has_its_exit_code(error: BaseException, code: int) -> None:
     assert exit_code(error) == code
+
+
+def test_what_is_wrong_with_a_file_is_no_bug() -> None:
+    """Whatever palpate_status says of the bytes of a file, from PALPATE_TRUNCATED on, is a wrong input."""
+    header = (Path(__file__).parents[2] / "runtime_cpp" / "include" / "palpate" / "palpate.h").read_text()
+    body = re.search(r"typedef enum palpate_status \{(.*?)\}", header, re.DOTALL)
+    assert body
+    status = {name: int(number) for name, number in re.findall(r"PALPATE_(\w+) = (\d+)", body[1])}
+    codes = {name: exit_code(RuntimeFailure(number, "")) for name, number in status.items()}
+    assert len(codes) > 10 and {name for name, code in codes.items() if code == 2} == {
+        name for name, number in status.items() if number >= status["TRUNCATED"]
+    }
 
 
 @pytest.mark.parametrize(

@@ -267,6 +267,12 @@ def test_an_unknown_tool_is_refused_with_a_guess(asset, capsys):
     assert "stiffer" in capsys.readouterr().err
 
 
+def test_an_address_of_another_machine_is_refused(asset, capsys):
+    """192.0.2.1 is nobody's (RFC 5737)."""
+    assert main(["view", str(asset), "--no-browser", "--seconds", "0", "--host", "192.0.2.1"]) == 2
+    assert '--host = "192.0.2.1" is no address of this machine' in capsys.readouterr().err
+
+
 def test_without_viser_one_sentence_says_what_to_install(asset, capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "viser", None)
     assert main(["view", str(asset), "--no-browser"]) == 2

@@ -107,6 +107,7 @@ BROKEN = {
         GRATING, ("direction", 'spatial_frequency = "1 1/mm"\ndirection'), "texture[0].wavelength", "given twice",
     ),
     "another kind's key": (GRATING, ("direction", "seed = 3\ndirection"), "texture[0].seed", "is not used"),
+    "finer than a file holds": (GRATING, ('"1.25 mm"', '"1 nm"'), "texture[0].wavelength", "is out of range"),
     "a wrong unit": (GRATING, ('"1.25 mm"', '"1.25 Hz"'), "texture[0].wavelength", "not a length"),
     "a falling band": (NOISE, ('"0.5 1/mm"', '"5 1/mm"'), "texture[0].band", "does not rise"),
     "no file": (PROFILE, ("wood.csv", "none.csv"), "texture[0].file", "is no file"),

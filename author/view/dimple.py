@@ -45,6 +45,10 @@ class Dimple:
             surface_offset=float(response["surface_offset"]),
         )[0].astype(float)
 
+    def at_rest(self) -> None:
+        """The surface was drawn anew, without its dimple."""
+        self._drawn = np.zeros_like(self._tool.reach.vertices)
+
     def to_draw(self, response: np.void, contact: bool) -> np.ndarray | None:
         """As `moved`; None where what was drawn last still looks the same."""
         now = self.moved(response, contact)

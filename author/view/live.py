@@ -127,6 +127,7 @@ class _Page:
             on_depth=lambda depth: self._asked.append(lambda _: self._press(depth)),
             on_tilt=lambda tilt: self._asked.append(lambda _: self._lean(tilt)),
             on_reset=lambda: self._asked.append(lambda servo: servo.reset()),
+            on_map=lambda: self._asked.append(lambda _: self._paint()),
         )
 
     def run(self, seconds: float | None) -> dict[str, Any]:
@@ -237,6 +238,10 @@ class _Page:
     def _press(self, depth: float) -> None:
         self._probe.press(float(np.clip(depth, -CLEARANCE, self._tool.field.depth_max)))
         self._moves += 1
+
+    def _paint(self) -> None:
+        self._panel.paint()
+        self._dimple.at_rest()
 
     def _lean(self, tilt: float) -> None:
         if self._tool.tilt_max > 0:

@@ -27,7 +27,7 @@ HELP = (
 class Panel:
     """Callbacks run on the server's own thread and only note what is asked for.
 
-    Args: on_tool(name), on_depth(m), on_tilt(rad), on_reset().
+    Args: on_tool(name), on_depth(m), on_tilt(rad), on_reset(), on_map(): another map or other marks are wanted.
     """
 
     def __init__(
@@ -41,6 +41,7 @@ class Panel:
         on_depth: Callable[[float], None],
         on_tilt: Callable[[float], None],
         on_reset: Callable[[], None],
+        on_map: Callable[[], None],
     ):
         self._gui, self._scenery, self._tool = server.gui, scenery, tool
         gui = self._gui
@@ -80,8 +81,11 @@ class Panel:
         async def _(event: Any) -> None:
             on_reset()
 
+        async def chosen(_: Any) -> None:
+            on_map()
+
         for handle in (self._map, self._level, self._nodes, self._held_out):
-            handle.on_update(self._painted_again)
+            handle.on_update(chosen)
         self.change(tool)
 
     def change(self, tool: ViewedTool) -> None:
@@ -94,7 +98,7 @@ class Panel:
         self.paint()
 
     def paint(self) -> None:
-        """The chosen map on the organ."""
+        """The chosen map on the organ, which is drawn at rest."""
         key = next(key for key, (name, _) in MAPS.items() if name == self._map.value)
         level = int(self._level.value) - 1
         values = self._tool.map_values(key, level)
@@ -121,9 +125,6 @@ class Panel:
         self, depth: np.ndarray, force: np.ndarray, present: tuple[float, float] | None, force_max: float
     ) -> None:
         self._plot.figure = curve_figure(depth, force, present, force_max)
-
-    async def _painted_again(self, event: Any) -> None:
-        self.paint()
 
     def _depths(self) -> tuple[float, float]:
         return -1e3 * CLEARANCE, 1e3 * self._tool.field.depth_max

@@ -181,6 +181,8 @@ def test_the_drawn_surface_gives_way_to_the_ball_and_comes_back(ball):
     response = states[-1]["response"]
     moved = dimple.to_draw(response, True)
     assert dimple.to_draw(response, True) is None  # drawn already
+    dimple.at_rest()  # another map was chosen, and the surface drawn without its dimple
+    assert np.array_equal(dimple.to_draw(response, True), moved)
     vertices, radius = ball.reach.vertices, ball.offset()
     away = np.linalg.norm(vertices - response["reference_point"], axis=1)
     inside = away < radius

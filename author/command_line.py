@@ -414,6 +414,10 @@ def certify(
     structural_frequency: Annotated[
         float | None, typer.Option("--structural-frequency", help="Hz, of the device's first mode")
     ] = None,
+    normal_force: Annotated[
+        float | None,
+        typer.Option("--normal-force", help="N, at which textures are judged; the field's largest"),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Hold a haptic device against a field: does holding forces make it hum?"""
@@ -464,6 +468,7 @@ def certify(
                 "stiffness_max": control_stiffness,
                 "structural_frequency": structural_frequency,
             },
+            normal_force,
         )
         if drag_picture is not None:
             result["texture"]["drag"] = certified_drag(field, drag_picture)

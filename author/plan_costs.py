@@ -188,7 +188,7 @@ def _textures(scene: Scene, chosen: Sequence[Tool], masks: int) -> dict[str, Any
         "name": "texture",
         "presses": 0,
         "cpu_seconds": 0.0,
-        "bytes": len(chosen) * (152 + 160 * groups + (masks if masked else 0)),
+        "bytes": len(chosen) * (160 + 160 * groups + (masks if masked else 0)),
         "tick_ns": 17.0 + 10.0 * groups + (12.0 if masked else 0.0),  # tests/benchmarks/layer_ticks.py
     }
 

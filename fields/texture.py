@@ -101,7 +101,8 @@ class Texture:
     Attributes:
         waves: by mask.
         fade_depth: m.
-        stiffness: N/m; of the response, by which a height becomes a force.
+        stiffness: N/m; largest of the response, by which a height becomes a force along the normal.
+        normal_force: N; largest of the response, by which a slope becomes a force along the surface; 0: not known.
         limits: of the device that it was made for.
         masks: lattice of up to MASK_LIMIT channels, 0 to 1, whose absent blocks are 0; or None.
     """
@@ -111,6 +112,7 @@ class Texture:
     stiffness: float = 0.0
     limits: DeviceLimits = field(default_factory=DeviceLimits)
     masks: Lattice | None = None
+    normal_force: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.waves or sum(-(-len(w.phase) // 4) for w in self.waves) > WAVE_LIMIT // 4:
@@ -125,6 +127,15 @@ class Texture:
     def height_max(self) -> float:
         """m; no height is larger."""
         return float(sum(w.amplitude.sum() for w in self.waves))
+
+    def force_amplitude(self, waves: Waves, normal_force: float | None = None) -> np.ndarray:
+        """(n,) N; what a tool that crosses each wave feels of it, at `normal_force` (N), the texture's own when None.
+
+        U(s) with s = d + h gives U' dh / dx = 2 pi k F_n a along the wave and U'' a along the normal, a quarter of a
+        wavelength apart: the larger one counts.  Less where h still fades or where k leans out of the surface.
+        """
+        force = self.normal_force if normal_force is None else normal_force
+        return waves.amplitude * np.maximum(self.stiffness, 2.0 * np.pi * waves.spatial_frequency * force)
 
     def slopes(self) -> tuple[float, float]:
         """Largest |grad h| and largest |Hess h| (1/m), where every wave is at its steepest at once."""

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The layer `texture` of an .rfield, and its bytes; C++: src/layers/texture.h.
 
-Header | kx, ky, kz (1/m), phase (cycles), amplitude (m), each 4 group_count f64 | with masks: zeros up to 64 bytes |
-index i32, then zeros up to 64 bytes | coefficients f32 (mask_stored, 4, 4, 4, 4), the first block zero.  Little-endian.
+Header (version 1: without its last number) | kx, ky, kz (1/m), phase (cycles), amplitude (m), each 4 group_count f64 |
+with masks: zeros up to 64 bytes | index i32, then zeros up to 64 bytes | coefficients f32 (mask_stored, 4, 4, 4, 4),
+the first block zero.  Little-endian.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ __all__ = ["HEADER_DTYPE", "read_texture", "texture_bytes"]
 
 MAGIC = 0x54584554
 """TEXT."""
-VERSION = 1
+VERSION = 2
 NO_MASK = 0xFFFFFFFF
 LIMITS = tuple(DeviceLimits.__dataclass_fields__)
 HEADER_DTYPE = np.dtype(
@@ -35,8 +36,11 @@ HEADER_DTYPE = np.dtype(
         *((name, "<f8") for name in LIMITS),
         ("mask_origin", "<f8", (3,)),  # m
         ("mask_spacing", "<f8"),  # m
+        ("normal_force", "<f8"),  # N; since version 2
     ]
 )
+HEADER_BYTES = {1: HEADER_DTYPE.fields["normal_force"][1], VERSION: HEADER_DTYPE.itemsize}
+"""By version."""
 
 
 def texture_bytes(texture: Texture) -> bytes:
@@ -45,6 +49,7 @@ def texture_bytes(texture: Texture) -> bytes:
     h["magic"], h["version"] = MAGIC, VERSION
     h["mask_channel"] = NO_MASK
     h["fade_depth"], h["stiffness"] = texture.fade_depth, texture.stiffness
+    h["normal_force"] = texture.normal_force
     for name in LIMITS:
         h[name] = getattr(texture.limits, name)
     groups = []
@@ -82,14 +87,21 @@ def texture_bytes(texture: Texture) -> bytes:
 
 def read_texture(data: bytes) -> Texture:
     """What `texture_bytes` wrote.  Raises FieldError."""
-    if len(data) < HEADER_DTYPE.itemsize:
-        raise FieldError(f"texture: {len(data)} bytes; at least {HEADER_DTYPE.itemsize} are right")
-    h = np.frombuffer(data, HEADER_DTYPE, 1)[0]
-    if h["magic"] != MAGIC or h["version"] != VERSION or not 1 <= h["group_count"] <= WAVE_LIMIT // 4:
-        raise FieldError(
-            f"texture: version {h['version']} with {h['group_count']} groups; {VERSION} is right"
-        )
-    count, at = 4 * int(h["group_count"]), HEADER_DTYPE.itemsize
+    if len(data) < HEADER_BYTES[1]:
+        raise FieldError(f"texture: {len(data)} bytes; at least {HEADER_BYTES[1]} are right")
+    h = np.frombuffer(data[: HEADER_DTYPE.itemsize].ljust(HEADER_DTYPE.itemsize, b"\0"), HEADER_DTYPE)[
+        0
+    ].copy()
+    if (
+        h["magic"] != MAGIC
+        or h["version"] not in HEADER_BYTES
+        or not 1 <= h["group_count"] <= WAVE_LIMIT // 4
+    ):
+        known = " or ".join(map(str, HEADER_BYTES))
+        raise FieldError(f"texture: version {h['version']} with {h['group_count']} groups; {known} is right")
+    if h["version"] == 1:
+        h["normal_force"] = 0.0
+    count, at = 4 * int(h["group_count"]), HEADER_BYTES[int(h["version"])]
     end = at + 5 * 8 * count
     masks = None
     if h["mask_stored"]:
@@ -122,4 +134,5 @@ def read_texture(data: bytes) -> Texture:
         float(h["stiffness"]),
         DeviceLimits(**{name: float(h[name]) for name in LIMITS}),
         masks,
+        float(h["normal_force"]),
     )

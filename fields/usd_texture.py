@@ -16,6 +16,7 @@ from palpate.fields.lattice import BLOCK_EDGE, Lattice
 from palpate.fields.texture import DeviceLimits, Texture, Waves
 from palpate.fields.texture_layout import LIMITS, read_texture, texture_bytes
 from palpate.fields.usd_layer import author_schema, child, schema_values
+from palpate.fields.usd_schema.attributes import APIS
 
 __all__ = ["author_texture", "read_usd_texture"]
 
@@ -38,6 +39,7 @@ def author_texture(response: Sdf.PrimSpec, layers: dict[str, bytes]) -> None:
             "mask": np.concatenate([np.full(len(w.phase), w.mask, np.int32) for w in texture.waves]),
             "fade_depth": texture.fade_depth,
             "stiffness": texture.stiffness,
+            "normal_force": texture.normal_force,
             **{name: getattr(texture.limits, name) for name in LIMITS},
         },
     )
@@ -62,7 +64,8 @@ def read_usd_texture(response: Usd.Prim) -> dict[str, bytes]:
     prim = response.GetChild("Texture")
     if not prim:
         return {}
-    v = schema_values(prim, API)
+    force = prim.GetAttribute(APIS[API].attributes["normal_force"].name)
+    v = schema_values(prim, API, () if force and force.HasAuthoredValue() else ("normal_force",))
     try:
         vector = np.reshape(v["vector"], (len(v["phase"]), 3))
         waves = []
@@ -70,7 +73,14 @@ def read_usd_texture(response: Usd.Prim) -> dict[str, bytes]:
             own = v["mask"] == mask
             waves.append(Waves(vector[own], v["phase"][own], v["amplitude"][own], mask))
         limits = DeviceLimits(**{name: float(v[name]) for name in LIMITS})
-        texture = Texture(tuple(waves), float(v["fade_depth"]), float(v["stiffness"]), limits, _masks(prim))
+        texture = Texture(
+            tuple(waves),
+            float(v["fade_depth"]),
+            float(v["stiffness"]),
+            limits,
+            _masks(prim),
+            float(v.get("normal_force", 0.0)),
+        )
         return {"texture": texture_bytes(texture)}
     except (ValueError, IndexError) as error:
         raise FieldError(f"{prim.GetPath()}: counts and values do not go together ({error})") from error

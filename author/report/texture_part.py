@@ -33,6 +33,7 @@ def texture_row(field: ResponseField) -> dict[str, Any] | None:
         "height_max": texture.height_max,
         "fade_depth": texture.fade_depth,
         "force_max": texture.stiffness * texture.height_max,
+        "force_amplitude": float(max(texture.force_amplitude(w).max() for w in texture.waves)),
         "drag": None,
         "picture": None,
     }

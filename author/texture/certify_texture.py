@@ -28,6 +28,7 @@ def certified_texture(
     name: str | None,
     factors: dict[str, float | None],
     numbers: dict[str, float | None],
+    normal_force: float | None = None,
 ) -> dict[str, Any]:
     """As `rendered` of the .rfield `field`.
 
@@ -36,6 +37,7 @@ def certified_texture(
         held: the device, whose rate and resolution count.
         name: of one of DEVICES, whose rate, resolution and structure count instead.
         factors, numbers: options, of DeviceLimits; None where they are not given.
+        normal_force: N, at which waves are judged; the field's largest when None.
 
     Raises:
         InputError: there is no such device, or a number is out of range.
@@ -45,7 +47,7 @@ def certified_texture(
 
     problems = [
         InputProblem("", f"--{key.replace('_', '-')}", value, "is not usable", "0 or more")
-        for key, value in {**factors, **numbers}.items()
+        for key, value in {**factors, **numbers, "normal_force": normal_force}.items()
         if value is not None and not (np.isfinite(value) and value >= 0.0)
     ]
     device = None if name is None else device_named(name)
@@ -65,7 +67,7 @@ def certified_texture(
     layers = read_rfield(field).layers
     texture = read_texture(layers["texture"]) if "texture" in layers else None
     rate = device.rate if device is not None else held.rate
-    told = rendered(DeviceLimits(**given), rate, texture)
+    told = rendered(DeviceLimits(**given), rate, texture, normal_force)
     return {"device": device.name if device else held.name, "source": device.source if device else "", **told}
 
 
@@ -95,6 +97,7 @@ def texture_lines(told: dict[str, Any]) -> list[str]:
         return []
     dragged = told.get("drag")
     whose = f"{told['device']} ({told['source']})" if told["source"] else "this device"
+    at = told["normal_force"]
     lines = [
         f"gratings on {whose} at {told['rate']:g} Hz, factors {told['time_factor']:g}, {told['space_factor']:g}, "
         f"{told['force_factor']:g}: "
@@ -111,11 +114,13 @@ def texture_lines(told: dict[str, Any]) -> list[str]:
         verdict = f"not rendered: {', '.join(broken)}" if broken else f"rendered{speed}"
         length = 1e3 * row["wavelength"] if row["wavelength"] else float("inf")
         lines.append(
-            f"texture wave of {length:.3g} mm, {1e6 * row['amplitude']:.3g} um, {row['force']:.2g} N: {verdict}"
+            f"texture wave of {length:.3g} mm, {1e6 * row['amplitude']:.3g} um, {row['force']:.2g} N "
+            f"{f'under {at:.3g} N' if at else 'along the normal'}: {verdict}"
         )
     if dragged:
         lines.append(
             f"{dragged['file']}: dragged at {1e3 * dragged['speed']:.3g} mm/s, k v = {dragged['expected']:.4g} Hz, "
-            f"line at {dragged['line']:.4g} Hz ({100 * dragged['line_error']:+.2f} %)"
+            f"line at {dragged['line']:.4g} Hz ({100 * dragged['line_error']:+.2f} %) of {dragged['amplitude']:.3g} N "
+            f"at {dragged['normal_force']:.3g} N; table 1 would be asked about {dragged['judged']:.3g} N there"
         )
     return lines

@@ -42,6 +42,8 @@ class Drag:
         force, plain: (n,) N along the drag, with the texture and without.
         frequency, spectrum: (m,) Hz and N; amplitude of what the texture adds along the drag.
         wavelength: m.  speed: m/s along the wave.  depth: m.
+        normal_force: N, mean of the drag without the texture.
+        judged: N, the force amplitude that table 1 would be asked about there (Texture.force_amplitude).
     """
 
     time: np.ndarray
@@ -52,6 +54,8 @@ class Drag:
     wavelength: float
     speed: float
     depth: float
+    normal_force: float
+    judged: float
 
     @property
     def expected(self) -> float:
@@ -73,6 +77,8 @@ class Drag:
             "line": self.line,
             "line_error": self.line / self.expected - 1.0,
             "amplitude": float(self.spectrum.max()),
+            "normal_force": self.normal_force,
+            "judged": self.judged,
         }
 
 
@@ -85,7 +91,8 @@ def drag(rfield: bytes) -> Drag | None:
         return None
     texture = read_texture(read.layers["texture"])
     waves = max(texture.waves, key=lambda one: one.amplitude.max())
-    vector = waves.vector[np.argmax(waves.amplitude)]
+    strongest = int(np.argmax(waves.amplitude))
+    vector = waves.vector[strongest]
     k = float(np.linalg.norm(vector))
     if k == 0.0:
         return None
@@ -100,7 +107,7 @@ def drag(rfield: bytes) -> Drag | None:
         return None
     way = np.arange(ahead[0], ahead[-1], steps)
     points = np.column_stack([np.interp(way, ahead, path[:, axis]) for axis in range(3)])
-    points = _at_depth(field, points, depth)[0]
+    points, normals = _at_depth(field, points, depth)
     felt = []
     for limits in (None, TextureLimits(force_factor=1.0, force_resolution=SILENT)):
         session = Session(field, Config(friction_coefficient=0.0))
@@ -109,6 +116,7 @@ def drag(rfield: bytes) -> Drag | None:
         down = np.linspace(out, points[0], 1000)
         session.tick_batch(down, dt=1.0 / RATE)
         felt.append(session.tick_batch(points, dt=1.0 / RATE)["force"])
+    normal_force = float(np.mean(np.sum(felt[1] * normals, axis=1)))
     along = points[-1] - points[0]
     force, plain = (one @ along / np.linalg.norm(along) for one in felt)
     added = force - plain
@@ -124,6 +132,8 @@ def drag(rfield: bytes) -> Drag | None:
         wavelength=1.0 / k,
         speed=speed,
         depth=depth,
+        normal_force=normal_force,
+        judged=float(texture.force_amplitude(waves, normal_force)[strongest]),
     )
 
 

@@ -13,6 +13,9 @@ F_0 (Hz), and safety factors alpha, beta (at least 2, better 10), gamma (at leas
     gain                        A k < A_0
     structure                   v k < F_0
 
+A height h inside U gives F_n dh / dx along the surface and k_n h along the normal (Texture.force_amplitude): A is a
+wave's amplitude times the larger of 2 pi k F_n and k_n, at the largest normal force F_n and stiffness k_n of the field.
+
 None of them promises that a grating is rendered well; each that is exceeded makes it likely that it is not.
 """
 
@@ -21,7 +24,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from palpate.fields.texture import DeviceLimits, Texture
+from palpate.fields.texture import DeviceLimits, Texture, Waves
 
 __all__ = ["DEVICES", "SPEEDS", "TextureDevice", "device_named", "finest", "judged", "limits_of", "rendered"]
 
@@ -116,8 +119,10 @@ def fastest(device: DeviceLimits, period: float, spatial_frequency: float) -> tu
     return speeds[name], name
 
 
-def rendered(device: DeviceLimits, rate: float, texture: Texture | None = None) -> dict[str, Any]:
-    """What `palpate certify` tells: the finest grating by speed, and each wave of `texture`.
+def rendered(
+    device: DeviceLimits, rate: float, texture: Texture | None = None, normal_force: float | None = None
+) -> dict[str, Any]:
+    """What `palpate certify` tells: the finest grating by speed, and each wave of `texture` at `normal_force` (N).
 
     A wave is `met` where every limit without a speed is; `speed_max` (m/s) is where it reaches one of the others.
     """
@@ -127,10 +132,13 @@ def rendered(device: DeviceLimits, rate: float, texture: Texture | None = None) 
         wavelength, limit = finest(device, period, speed)
         by_speed.append({"speed": speed, "wavelength": wavelength, "limit": limit})
     waves = (
-        [] if texture is None else [row for w in texture.waves for row in judged(device, period, texture, w)]
+        []
+        if texture is None
+        else [row for w in texture.waves for row in judged(device, period, texture, w, normal_force)]
     )
     return {
         "rate": rate,
+        "normal_force": texture.normal_force if texture and normal_force is None else normal_force,
         **{name: getattr(device, name) for name in device.__dataclass_fields__},
         "finest": by_speed,
         "waves": waves,
@@ -138,11 +146,13 @@ def rendered(device: DeviceLimits, rate: float, texture: Texture | None = None) 
     }
 
 
-def judged(device: DeviceLimits, period: float, texture: Texture, waves: Any) -> list[dict[str, Any]]:
+def judged(
+    device: DeviceLimits, period: float, texture: Texture, waves: Waves, normal_force: float | None = None
+) -> list[dict[str, Any]]:
     """A row for each wave: wavelength, amplitude, force, limits, met, speed_max and its limit."""
     rows = []
-    for k, a in zip(waves.spatial_frequency.tolist(), waves.amplitude.tolist(), strict=True):
-        force = texture.stiffness * a
+    forces = texture.force_amplitude(waves, normal_force).tolist()
+    for k, a, force in zip(waves.spatial_frequency.tolist(), waves.amplitude.tolist(), forces, strict=True):
         limits = limits_of(device, period, k, 0.0, force)
         speed, which = fastest(device, period, k)
         rows.append(

@@ -110,11 +110,17 @@ def with_texture(scene: Scene, field: ResponseField, mesh: OrganMesh) -> tuple[R
     if made is None:
         return replace(field, layers=others), {}
     texture, told = made
-    texture = replace(texture, stiffness=_stiffness(field), masks=_lattice(scene, field, mesh))
+    texture = replace(
+        texture,
+        stiffness=_stiffness(field),
+        normal_force=float(np.max(field.nodes.normal_force)),
+        masks=_lattice(scene, field, mesh),
+    )
     data = texture_bytes(texture)
     return replace(field, layers={**others, "texture": data}), {
         **told,
         "stiffness": texture.stiffness,
+        "normal_force": texture.normal_force,
         "bytes": len(data),
     }
 

@@ -262,5 +262,6 @@ TEXTURE_INFO = np.dtype(
         ("spatial_frequency_max", "<f8"),  # 1/m
         ("stiffness", "<f8"),  # N/m
         *_LIMITS,
+        ("normal_force", "<f8"),  # N
     ]
 )

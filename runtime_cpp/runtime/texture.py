@@ -46,7 +46,7 @@ class TextureLimits:
 
 @dataclass(frozen=True)
 class TextureInfo:
-    """palpate_texture_info: lengths in m, spatial frequency in 1/m, stiffness in N/m."""
+    """palpate_texture_info: lengths in m, spatial frequency in 1/m, stiffness in N/m, force in N."""
 
     wave_count: int
     bytes: int
@@ -54,6 +54,7 @@ class TextureInfo:
     fade_depth: float
     spatial_frequency_max: float
     stiffness: float
+    normal_force: float
     limits: TextureLimits
 
 

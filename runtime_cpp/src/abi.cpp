@@ -134,6 +134,7 @@ constexpr palpate_abi_row table[] = {
     PALPATE_ROW(palpate_texture_info, force_resolution),
     PALPATE_ROW(palpate_texture_info, stiffness_max),
     PALPATE_ROW(palpate_texture_info, structural_frequency),
+    PALPATE_ROW(palpate_texture_info, normal_force),
     PALPATE_SIZE(palpate_texture_limits),
     PALPATE_ROW(palpate_texture_limits, size),
     PALPATE_ROW(palpate_texture_limits, reserved),

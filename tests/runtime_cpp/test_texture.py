@@ -305,17 +305,24 @@ def test_limits_that_come_while_touching_fade_it_wherever_the_tool_is():
         (TextureLimits(force_factor=10.0, force_resolution=0.5e-3), 1.0),  # A = 300 N/m 20 um = 6 mN
         (TextureLimits(force_factor=10.0, force_resolution=0.7e-3), 0.0),
         (TextureLimits(stiffness_max=2.4), 0.5),  # A k = 4.8 N/m
+        # under 1 N, 2 pi k 1 N = 5,027 N/m: A = 0.1005 N
+        (TextureLimits(force_factor=10.0, force_resolution=10.0e-3), (1.0, 1.0)),
+        (TextureLimits(force_factor=10.0, force_resolution=10.1e-3), (0.0, 1.0)),
+        (TextureLimits(stiffness_max=0.5 * 20e-6 * 2.0 * np.pi * K**2), (0.5, 1.0)),
+        (TextureLimits(force_factor=10.0, force_resolution=0.5e-3), (1.0, 0.05)),  # 300 N/m is more than 251
     ],
 )
 def test_what_a_device_can_never_render_is_limited_and_said(limits, gain):
-    field = opened(GRATING)
+    gain, force = gain if isinstance(gain, tuple) else (gain, 0.0)
+    grating_ = dataclasses.replace(GRATING, normal_force=force)
+    field = opened(grating_)
     session = Session(field, Config(friction_coefficient=0.0))
     session.set_texture_limits(limits)
     assert session.texture_gain()[0] == pytest.approx(gain)
     at = above(field) - [0, 0, 0.5e-3]
     out = session.tick_batch(np.linspace(at + ABOVE, at, 300), dt=1e-4)
     assert bool(out["status"][-1] & Tick.TEXTURE_LIMITED) == (gain < 1.0)
-    stored = opened(dataclasses.replace(GRATING, limits=DeviceLimits(**dataclasses.asdict(limits))))
+    stored = opened(dataclasses.replace(grating_, limits=DeviceLimits(**dataclasses.asdict(limits))))
     out_of_file = Session(stored, Config(friction_coefficient=0.0)).tick_batch(
         np.linspace(at + ABOVE, at, 300), dt=1e-4
     )
@@ -334,22 +341,47 @@ def test_a_slow_structure_limits_it_too():
 
 
 def test_the_layer_is_read_back_as_it_was_written():
-    for texture in (PATCHY, MIXED):
+    for texture in (PATCHY, MIXED, dataclasses.replace(MIXED, normal_force=1.5)):
         layer = texture_bytes(texture)
         assert read_rfield(cook(textured(texture))).layers["texture"] == layer
         assert texture_bytes(read_texture(layer)) == layer
-    info = texture_info(opened(MIXED))
+    info = texture_info(opened(texture))
     assert (info.wave_count, info.bytes) == (9, len(layer))
     assert info.height_max == pytest.approx(MIXED.height_max)
+    assert info.normal_force == 1.5
     with pytest.raises(RuntimeFailure):
         texture_info(opened(None))
 
 
+def of_version_1(layer: bytes) -> bytes:
+    """The layer as version 1 had it: a shorter header, and the masks where they then begin."""
+    header = np.frombuffer(layer[: HEADER_DTYPE.itemsize], HEADER_DTYPE)[0].copy()
+    header["version"] = 1
+    head = HEADER_DTYPE.itemsize + 160 * int(header["group_count"])
+    old = header.tobytes()[:152] + layer[HEADER_DTYPE.itemsize : head]
+    return old + (bytes(-len(old) % 64) + layer[head + -head % 64 :] if header["mask_stored"] else b"")
+
+
+@pytest.mark.parametrize("texture", [GRATING, MIXED, PATCHY])
+def test_a_layer_of_version_1_still_loads(texture):
+    known = dataclasses.replace(texture, normal_force=2.0)
+    old = of_version_1(texture_bytes(known))
+    assert texture_bytes(read_texture(old)) == texture_bytes(texture)
+    field = Field.open(cook(dataclasses.replace(PLANE, layers={"texture": old})))
+    assert texture_info(field).normal_force == 0.0
+    q = inside(field, 100)
+    assert np.array_equal(field.sample(q)["force"], opened(texture).sample(q)["force"])
+    for wrong in (old[:-8], old[:151], texture_bytes(known)[:152]):
+        with pytest.raises(FieldError, match="texture"):
+            read_texture(wrong)
+
+
 @pytest.mark.parametrize(
     ("key", "value"),
-    [("magic", 1), ("version", 2), ("group_count", 0), ("group_count", 5), ("group_count", 2**31),
+    [("magic", 1), ("version", 0), ("version", 3), ("group_count", 0), ("group_count", 5), ("group_count", 2**31),
      ("mask_stored", 1), ("mask_stored", 2**32 - 1), ("mask_channel", 0), ("fade_depth", 0.0), ("fade_depth", np.nan),
-     ("fade_depth", 1e-5), ("stiffness", -1.0), ("stiffness", np.inf), ("time_factor", -1.0), ("resolution", np.nan)],
+     ("fade_depth", 1e-5), ("stiffness", -1.0), ("stiffness", np.inf), ("normal_force", -1.0), ("normal_force", np.inf),
+     ("time_factor", -1.0), ("resolution", np.nan)],
 )  # fmt: skip
 def test_a_header_that_is_wrong_is_refused(key, value):
     layer = texture_bytes(GRATING)

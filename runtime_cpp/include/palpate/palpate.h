@@ -418,8 +418,8 @@ PALPATE_API palpate_status palpate_deformation(const palpate_field* field, const
 
 /* A small height that enters depth inside U, of fields whose scene names the effect `texture`: conservative, without velocity, still
  * while the tool is.  What a device cannot render is faded (PALPATE_TICK_TEXTURE_LIMITED), by the six limits of V. Hayward,
- * Physically-Based Haptic Synthesis (2008), table 1, for a wave of spatial frequency k and force amplitude A at the speed v along it in
- * a loop of T (the tick's dt).  Waves that only a fast tool cannot have come back as it slows down.  Fading raises no energy: it is
+ * Physically-Based Haptic Synthesis (2008), table 1, for a wave of spatial frequency k and force amplitude A (palpate_texture_info) at the
+ * speed v along it in a loop of T (the tick's dt).  Waves that only a fast tool cannot have come back as it slows down.  Fading raises no energy: it is
  * done where it lowers U, into dissipated_rule, and only while the tool moves. */
 typedef struct palpate_texture_limits {
     uint32_t size;
@@ -440,7 +440,7 @@ typedef struct palpate_texture_info {
     double height_max;           /* m; no height is larger */
     double fade_depth;           /* m; from here on the whole height is felt, fading to nothing at the surface */
     double spatial_frequency_max; /* 1/m; of the finest wave */
-    double stiffness;            /* N/m; of the response: A = stiffness times a wave's amplitude */
+    double stiffness;            /* N/m; of the response: A is a wave's amplitude times this or 2 pi k normal_force, whichever is larger */
     double time_factor;          /* of the device that the scene was made for, likewise */
     double space_factor;
     double force_factor;
@@ -448,6 +448,7 @@ typedef struct palpate_texture_info {
     double force_resolution;
     double stiffness_max;
     double structural_frequency;
+    double normal_force;         /* N; largest of the response; 0: not known (files of older versions) */
 } palpate_texture_info;
 
 /* Fills *info; info->size must be set.  PALPATE_LAYER_MISSING for fields without the effect. */

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
-// Limits (Hayward's table 1) of a wave of spatial frequency k and force amplitude A = stiffness * height:
+// Limits (Hayward's table 1) of a wave of spatial frequency k and force amplitude A = height * max(stiffness, 2 pi k F_n): what it gives along
+// the normal, or along the surface where the normal force F_n is the largest (fields/texture.py, force_amplitude):
 //     beta k delta < 1,  alpha k delta < 1     positions are too coarse for it        else its gain is 0 for ever
 //     gamma b < A                              its force is lost in the device's      likewise
 //     A k < A_0                                the device cannot hold its slope       its gain is A_0 / (A k) at most
@@ -11,6 +12,7 @@
 #include "layers/texture.h"
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <initializer_list>
 
@@ -25,9 +27,21 @@ namespace {
 constexpr double spatial_frequency_limit = 1e6;  // 1/m
 constexpr double phase_limit = 1e6;              // cycles
 constexpr double limit_limit = 1e12;             // of a device's numbers
+constexpr double two_pi = 6.283185307179586;
 
 std::uint64_t blocks_of(const texture_header& h) noexcept {
     return static_cast<std::uint64_t>(h.mask_blocks[0]) * h.mask_blocks[1] * h.mask_blocks[2];
+}
+
+std::uint64_t header_bytes(const texture_header& h) noexcept {
+    return h.version == 1 ? offsetof(texture_header, normal_force) : sizeof h;
+}
+
+// The header of a layer that is long enough for one of version 1.
+void copy_header(const layer_bytes& bytes, texture_header& h) noexcept {
+    h = texture_header{};
+    std::memcpy(&h, bytes.begin, bytes.size < sizeof h ? offsetof(texture_header, normal_force) : sizeof h);
+    if (h.version == 1) h.normal_force = 0.0;
 }
 
 std::uint64_t wave_bytes(const texture_header& h) noexcept { return 5ull * 4 * h.group_count * sizeof(double); }
@@ -42,12 +56,13 @@ double norm(double x, double y, double z) noexcept { return std::sqrt(x * x + y 
 bool prove_texture(const layer_bytes& bytes, const rfield_header&, refusal& why) noexcept {
     const auto bad = [&why](const char* what) { return refuse(why, PALPATE_BAD_LAYER, "The effect texture %s.", what); };
     texture_header h;
-    if (bytes.size < sizeof h) return bad("is shorter than its header");
-    std::memcpy(&h, bytes.begin, sizeof h);
-    if (h.magic != texture_magic || h.version != texture_version) return bad("is of another layout: cook again");
+    if (bytes.size < offsetof(texture_header, normal_force)) return bad("is shorter than its header");
+    copy_header(bytes, h);
+    if (h.magic != texture_magic || h.version < 1 || h.version > texture_version) return bad("is of another layout: cook again");
     if (h.group_count < 1 || h.group_count > texture_group_limit) return bad("has no waves, or too many");
     if (!(h.fade_depth >= 1e-9 && h.fade_depth <= length_limit)) return bad("has an impossible fade depth");
     if (!(h.stiffness >= 0.0 && h.stiffness <= curve_limit)) return bad("has an impossible stiffness");
+    if (!(h.normal_force >= 0.0 && h.normal_force <= curve_limit)) return bad("has an impossible normal force");
     double limits[7];
     static_assert(sizeof limits == sizeof h.limits, "a row of numbers");
     std::memcpy(limits, &h.limits, sizeof limits);
@@ -58,7 +73,7 @@ bool prove_texture(const layer_bytes& bytes, const rfield_header&, refusal& why)
     for (std::uint32_t g = 0; g < texture_group_limit; ++g) {
         if (h.mask_channel[g] != texture_no_mask && !(masked && h.mask_channel[g] < texture_mask_limit)) return bad("has a mask that is not there");
     }
-    std::uint64_t size = sizeof h + wave_bytes(h);
+    std::uint64_t size = header_bytes(h) + wave_bytes(h);
     if (masked) {
         for (const std::uint32_t count : h.mask_blocks) {
             if (count < 1 || count > 4096) return bad("has masks of an impossible size");
@@ -96,9 +111,9 @@ bool prove_texture(const layer_bytes& bytes, const rfield_header&, refusal& why)
 
 void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept {
     texture_header h;
-    std::memcpy(&h, bytes.begin, sizeof h);
+    copy_header(bytes, h);
     const std::uint32_t count = 4 * h.group_count;
-    const auto* waves = reinterpret_cast<const double*>(bytes.begin + sizeof h);
+    const auto* waves = reinterpret_cast<const double*>(bytes.begin + header_bytes(h));
     ground.group_count = static_cast<std::int32_t>(h.group_count);
     ground.kx = waves;
     ground.ky = waves + count;
@@ -108,6 +123,7 @@ void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept {
     ground.fade_depth = h.fade_depth;
     ground.inverse_fade_depth = 1.0 / h.fade_depth;
     ground.stiffness = h.stiffness;
+    ground.normal_force = h.normal_force;
     ground.limits = h.limits;
     ground.k_squared = 0.0;
     for (std::uint32_t i = 0; i < texture_wave_limit; ++i) {
@@ -129,7 +145,7 @@ void set_texture(texture_ground& ground, const layer_bytes& bytes) noexcept {
     if (several) ground.sole_mask = -1;
     ground.sole_scale[0] = 0.125;
     for (int a = 1; a < 4; ++a) ground.sole_scale[a] = 0.25 / h.mask_spacing;
-    const unsigned char* at = bytes.begin + (sizeof h + wave_bytes(h) + 63) / 64 * 64;
+    const unsigned char* at = bytes.begin + (header_bytes(h) + wave_bytes(h) + 63) / 64 * 64;
     set_lattice(ground.mask, h.mask_origin, h.mask_spacing, h.mask_blocks, reinterpret_cast<const std::int32_t*>(at),
                 texture_mask_limit, 4);
     ground.mask_coefficients = reinterpret_cast<const float*>(at + index_bytes(h));
@@ -151,7 +167,8 @@ void limit_texture(texture_state& t, const palpate_field& field) PALPATE_REAL_TI
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(texture_wave_limit); ++i) {
         t.most[i] = 1.0;
         if (i >= 4 * ground.group_count || !(ground.amplitude[i] > 0.0)) continue;
-        const double k = ground.spatial_frequency[i], force = ground.stiffness * ground.amplitude[i];
+        const double k = ground.spatial_frequency[i], across = two_pi * k * ground.normal_force;
+        const double force = ground.amplitude[i] * (across > ground.stiffness ? across : ground.stiffness);
         const double factor = l.time_factor > l.space_factor ? l.time_factor : l.space_factor;
         const bool coarse = factor * k * l.resolution >= 1.0, weak = force > 0.0 && l.force_factor * l.force_resolution >= force;
         if (coarse || weak) {
@@ -204,7 +221,7 @@ void take_back_turn(texture_state& t, const palpate_field& field, const double g
 extern "C" {
 
 palpate_status palpate_texture_describe(const palpate_field* field, palpate_texture_info* info) noexcept {
-    if (field == nullptr || info == nullptr || info->size < sizeof(palpate_texture_info)) return PALPATE_BAD_ARGUMENT;
+    if (field == nullptr || info == nullptr || info->size < offsetof(palpate_texture_info, normal_force)) return PALPATE_BAD_ARGUMENT;
     const palpate::texture_ground& ground = field->texture;
     if (ground.group_count == 0) return PALPATE_LAYER_MISSING;
     info->wave_count = 0;
@@ -224,6 +241,7 @@ palpate_status palpate_texture_describe(const palpate_field* field, palpate_text
     info->force_resolution = ground.limits.force_resolution;
     info->stiffness_max = ground.limits.stiffness_max;
     info->structural_frequency = ground.limits.structural_frequency;
+    if (info->size >= sizeof(palpate_texture_info)) info->normal_force = ground.normal_force;
     return PALPATE_OK;
 }
 

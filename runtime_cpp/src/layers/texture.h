@@ -30,7 +30,7 @@ namespace palpate {
 struct response;
 
 constexpr std::uint32_t texture_magic = 0x54584554u;  // TEXT
-constexpr std::uint32_t texture_version = 1;
+constexpr std::uint32_t texture_version = 2;  // 1: without the header's last number
 constexpr std::uint32_t texture_group_limit = 4;  // of four waves each, which have one mask
 constexpr std::uint32_t texture_wave_limit = 4 * texture_group_limit;
 constexpr std::uint32_t texture_mask_limit = 4;   // channels of the masks' lattice
@@ -57,12 +57,13 @@ struct texture_header {
     std::uint32_t reserved;
     std::uint32_t mask_channel[texture_group_limit];  // or texture_no_mask
     double fade_depth;                                // m
-    double stiffness;                                 // N/m; of the response, by which height becomes force
+    double stiffness;                                 // N/m; largest of the response, by which a height becomes a force along the normal
     texture_limits limits;                            // of the device that the scene was made for
     double mask_origin[3];                            // m
     double mask_spacing;                              // m
+    double normal_force;                              // N; largest of the response, by which a slope becomes a force along the surface
 };
-static_assert(sizeof(texture_header) == 152 && offsetof(texture_header, mask_channel) == 32 &&
+static_assert(sizeof(texture_header) == 160 && offsetof(texture_header, normal_force) == 152 && offsetof(texture_header, mask_channel) == 32 &&
                   offsetof(texture_header, fade_depth) == 48 && offsetof(texture_header, limits) == 64 &&
                   offsetof(texture_header, mask_origin) == 120,
               "fields/texture_layout.py");
@@ -77,6 +78,7 @@ struct texture_ground {
     double spatial_frequency[texture_wave_limit];  // |k|, 1/m
     double k_squared;            // 1/m^2; of the finest wave
     double stiffness;            // N/m
+    double normal_force;         // N; 0: not known
     texture_limits limits;
     bool masked;
     std::uint32_t mask_channel[texture_group_limit];

@@ -68,5 +68,15 @@ def test_certify_draws_it_or_says_that_there_is_none(tmp_path):
     made = CliRunner().invoke(app, ["certify", str(tmp_path / "textured.rfield"), *asked])
     told = json.loads(made.stdout)["texture"]["drag"]
     assert abs(told["line_error"]) < 0.01 and (tmp_path / "drag.png").is_file()
+    (judged,) = json.loads(made.stdout)["texture"]["waves"]
+    assert judged["force"] == pytest.approx(
+        20e-6 * 300.0
+    )  # along the normal: this field knows no normal force
+    textured_file = str(tmp_path / "textured.rfield")
+    under = CliRunner().invoke(app, ["certify", textured_file, *asked[:-2], "--normal-force", "0.5"])
+    (judged,) = json.loads(under.stdout)["texture"]["waves"]
+    assert judged["force"] == pytest.approx(20e-6 * 2.0 * np.pi / 0.8e-3 * 0.5)
+    wrong = CliRunner().invoke(app, ["certify", textured_file, *asked, "--normal-force", "-1"])
+    assert wrong.exit_code == 2 and "--normal-force" in wrong.output
     refused = CliRunner().invoke(app, ["certify", str(tmp_path / "plain.rfield"), *asked])
     assert refused.exit_code == 2 and "--drag" in refused.output

@@ -17,7 +17,7 @@ from palpate.author.errors import InputError
 from palpate.author.plan import plan
 from palpate.author.scene import Scene, load_scene
 from palpate.author.texture.texture_stage import textures_of, with_texture
-from palpate.fields.texture_layout import read_texture
+from palpate.fields.texture_layout import read_texture, texture_bytes
 from palpate.fields.usd_read import read_field
 from palpate.fields.usd_validators import asset_errors
 from palpate.fields.usd_write import add_tool
@@ -169,7 +169,7 @@ def test_a_device_finer_profile_is_cut_to_what_it_resolves(asked: Callable[..., 
 def test_the_plan_tells_of_it(asked: Callable[..., Scene]) -> None:
     result = plan(asked(GRATING)).result
     row = next(one for one in result["added"]["effects"] if one["name"] == "texture")
-    assert (row["presses"], row["bytes"]) == (0, 312) and 0 < row["tick_ns"] < 100
+    assert (row["presses"], row["bytes"]) == (0, 320) and 0 < row["tick_ns"] < 100
     assert "texture" in result["stored"] and "texture" not in result["not_modelled"]
 
 
@@ -209,5 +209,29 @@ def test_an_asset_keeps_it(asked: Callable[..., Scene], tmp_path: Path) -> None:
     assert asset_errors(asset) == []
     again = read_field(asset, "ball")
     assert again.layers == made.layers
+    force = read_texture(again.layers["texture"]).normal_force
+    assert force == np.max(field.nodes.normal_force) > 0.0
+    _older(asset)
+    assert asset_errors(asset) == []
+    older = read_texture(read_field(asset, "ball").layers["texture"])
+    assert older.normal_force == 0.0
+    assert texture_bytes(replace(older, normal_force=force)) == made.layers["texture"]
     add_tool(asset, replace(made, layers={}), per_vertex=False)
     assert read_field(asset, "ball").layers == {}
+
+
+def _older(asset: Path) -> None:
+    """Takes out of `asset` what files did not have at first."""
+    from pxr import Sdf
+
+    found = 0
+    for file in asset.parent.rglob("*.usd*") if asset.is_file() else asset.rglob("*.usd*"):
+        layer = Sdf.Layer.FindOrOpen(str(file))
+        prims = []
+        layer.Traverse("/", lambda path, into=prims: into.append(path))
+        for path in prims:
+            if path.name == "palpate:texture:normalForce":
+                del layer.GetPrimAtPath(path.GetPrimPath()).properties[path.name]
+                layer.Save()
+                found += 1
+    assert found == 1

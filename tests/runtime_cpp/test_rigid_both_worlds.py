@@ -15,7 +15,7 @@ UPRIGHT = np.array([0, 0, 0, 1.0])
 MASS = 0.5
 COUPLED = {"coupling_stiffness": 1000.0, "coupling_damping": 20.0,
            "coupling_torsional_stiffness": 5.0, "coupling_torsional_damping": 0.05}  # fmt: skip
-ACCOUNT = ("work_in", "stored_energy", "dissipated_friction", "unaccounted")
+ACCOUNT = ("work_in", "stored_energy", "dissipated_friction", "inertial", "unaccounted")
 SETTLE = 2.0
 """s; a coupled object hangs at rest before the loop starts."""
 
@@ -46,7 +46,7 @@ def loop(seed, ticks, visits):
 
 @pytest.mark.parametrize("visits", [1, 2])
 @pytest.mark.parametrize("seed", [0, 1, 2])
-@pytest.mark.parametrize("config", [{"inertia": False}, COUPLED], ids=["direct", "coupled"])
+@pytest.mark.parametrize("config", [{"inertia": False}, {}, COUPLED], ids=["direct", "inertia", "coupled"])
 def test_a_closed_loop_over_both_worlds_gives_nothing(plane, rigid, config, seed, visits):
     path, dt = loop(seed, 2000, visits), 1e-3
     path = np.concatenate([path, np.tile(path[-1], (1500, 1))])  # a coupled object comes to rest again
@@ -77,5 +77,50 @@ def test_a_closed_loop_over_both_worlds_gives_nothing(plane, rigid, config, seed
     assert end["stored_energy"] == 0 and abs(told["stored_energy"]) < 2e-6
     assert told["dissipated_friction"] > 1e-5 and end["dissipated_friction"] > 1e-5
     assert -4e-5 < told["unaccounted"] < 1e-5  # of the hold; falls with the tick
+    assert told["inertial"] >= -1e-12
+    assert (told["inertial"] > 1e-5) == (config == {})
     assert work >= -end["hold_leak"] + min(told["unaccounted"], 0.0) + min(told["stored_energy"], 0.0)
     assert work > 1e-4
+
+
+def speed(path, dt):
+    return np.linalg.norm(np.gradient(path, dt, axis=0), axis=1)
+
+
+def test_speed_that_was_gained_touching_is_not_given_back(rigid):
+    """From rest to 0.2 m/s on bone, where no inertia is felt; lifted off; slowed down free: 0.5 m v^2 is 10 mJ."""
+    dt, bone, clear = 1e-3, 0.6e-3, 2.5e-3
+    u = np.linspace(0.0, 1.0, 201)
+    smooth = u**3 * (10 - 15 * u + 6 * u**2)
+    down, rest = bone + (clear - bone) * (1 - smooth), np.full(301, bone)
+    along = np.concatenate([np.zeros(201), 0.5 * 0.2 / 0.3 * (np.arange(301) * dt) ** 2])
+    x = np.concatenate([down, rest])
+    lift = np.linspace(bone, clear, 51)[1:]
+    x, along = np.concatenate([x, lift]), np.concatenate([along, along[-1] + 0.2 * dt * np.arange(1, 51)])
+    v = 0.2 * 0.5 * (1 + np.cos(np.pi * np.linspace(0, 1, 151)[1:]))
+    x = np.concatenate([x, np.full(150, clear), np.full(50, clear)])
+    along = np.concatenate([along, along[-1] + np.cumsum(v) * dt, np.zeros(50)])
+    along[-50:] = along[-51]
+    path = np.stack([x, along - 0.05, np.full(len(x), 0.187)], axis=1)
+    told = RigidSession(rigid, RigidConfig(grip=(0, 0, 0.1))).tick_batch(path, UPRIGHT, dt)
+    assert not np.any(told["status"])
+    touching = told["contact_count"] > 0
+    assert speed(path, dt)[np.flatnonzero(touching)[-1]] == pytest.approx(0.2, rel=0.1)
+    assert speed(path, dt)[-1] == 0.0
+    assert told["inertial"].min() >= -1e-9
+
+
+@pytest.mark.parametrize("phase", np.arange(8) * np.pi / 4)
+def test_inertia_gives_back_no_more_than_it_took_whenever_it_touches(rigid, phase):
+    """Down to bone and up five times a second, three times, while the speed along it swings between 0 and 0.3 m/s."""
+    dt, turn = 1e-3, 2 * np.pi * 5
+    u = np.arange(600) * dt
+    fade = np.minimum(u / 0.05, 1.0)
+    along = np.cumsum(0.15 * fade * (1 + np.sin(turn * u + phase))) * dt
+    path = np.stack([2.2e-3 + 1.6e-3 * np.sin(turn * u), along - 0.05, np.full(len(u), 0.187)], axis=1)
+    told = RigidSession(rigid, RigidConfig(grip=(0, 0, 0.1))).tick_batch(path, UPRIGHT, dt)
+    assert not np.any(told["status"])
+    assert np.count_nonzero(np.diff((told["contact_count"] > 0).astype(int)) > 0) == 3
+    taken = np.diff(told["inertial"])
+    assert taken.max() > 1e-6 and taken.min() < -1e-6  # it gives as well as it takes
+    assert told["inertial"].min() >= -1e-9

@@ -17,6 +17,7 @@
  *     work_in = stored_energy(end) - stored_energy(start) + dissipated_friction + dissipated_damping + inertial + gravity_work + unaccounted,
  * where `unaccounted` is what holding wrenches over ticks, changing formations and limits gave (< 0: created) or took.  Luo and
  * Xiao's law is not the gradient of one energy, so unaccounted is not zero; it is told instead of hidden.
+ * Inertia is felt in free motion only, and gives back no more than the hand put into it: inertial stays above zero but for one tick's hold.
  * With a coupling, stored_energy has the spring's and the kinetic energy (inertial stays 0, gravity_work is the object's), and over any
  * path of ticks of one length dt whose hand accelerates by at most acceleration_max (of any point of the object)
  *     unaccounted >= -1.01 a (k a / 2 + 0.3 m/s b),   a = acceleration_max dt^2 / 0.9
@@ -154,7 +155,7 @@ typedef struct palpate_rigid_response {
     double work_in;          /* J, accounts since init or reset */
     double dissipated_friction;
     double dissipated_damping;
-    double inertial;         /* taken by the rendered inertia; signed */
+    double inertial;         /* taken by the rendered inertia, which gives back no more than it took */
     double gravity_work;     /* done against gravity; signed */
     double unaccounted;
     palpate_rigid_contact contact[8];

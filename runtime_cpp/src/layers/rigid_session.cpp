@@ -37,8 +37,32 @@ rigid_place place_of(const palpate_rigid_state& s, const double grip[3]) noexcep
 // What the hand did over the step with the wrench sent before.
 void book_step(palpate_rigid_session& s, const double moved[3], const double turned[3]) noexcept {
     s.account.work -= dot(s.force, moved) + dot(s.torque, turned);
-    s.account.inertial -= dot(s.inertia_force, moved) + dot(s.inertia_torque, turned);
+    const double taken = -(dot(s.inertia_force, moved) + dot(s.inertia_torque, turned));
+    s.account.inertial += taken;
+    s.lent += taken;
     s.account.gravity -= s.gravity_on * s.scene->head.mass * dot(s.scene->head.gravity, moved);
+}
+
+// The object's own inertia, of which the hand gets back no more energy than it has put in: touching, it is not rendered, so what moves
+// faster after a touch than before has no claim on the hand.  What is left is given back over the filter's time, so that no force steps.
+void render_inertia(palpate_rigid_session& s, const rigid_pose& pose, const double spin[3], const double moved[3], const double turned[3],
+                    double dt) noexcept {
+    const rigid_header& h = s.scene->head;
+    double rate[3], gyro[3];
+    inertia_times(h.inertia, pose, s.velocity.angular_acceleration, rate);
+    cross(s.velocity.angular, spin, gyro);  // Euler's equations; Luo and Xiao leave this out
+    for (int i = 0; i < 3; ++i) {
+        s.inertia_force[i] = -h.mass * s.velocity.acceleration[i];
+        s.inertia_torque[i] = -(rate[i] + gyro[i]);
+    }
+    const double time = s.config.filter_time > dt ? s.config.filter_time : dt;
+    const double gives = (dot(s.inertia_force, moved) + dot(s.inertia_torque, turned)) * time / dt;
+    if (!(gives > s.lent)) return;
+    const double keep = s.lent > 0.0 ? s.lent / gives : 0.0;
+    for (int i = 0; i < 3; ++i) {
+        s.inertia_force[i] *= keep;
+        s.inertia_torque[i] *= keep;
+    }
 }
 
 // The object is where the device is.
@@ -69,23 +93,27 @@ std::uint32_t direct_tick(palpate_rigid_session& s, const palpate_rigid_state& s
         force[i] = out.contact_force[i] + h.mass * h.gravity[i];
         torque[i] = out.contact_torque[i];
     }
-    if (now.count == 0 && s.config.inertia != 0 && s.velocity.known >= 2) {
-        double rate[3], spin[3], gyro[3];
-        inertia_times(h.inertia, pose, s.velocity.angular_acceleration, rate);
+    if (s.config.inertia != 0) {
+        double spin[3];
         inertia_times(h.inertia, pose, s.velocity.angular, spin);
-        cross(s.velocity.angular, spin, gyro);  // Euler's equations; Luo and Xiao leave this out
-        for (int i = 0; i < 3; ++i) {
-            s.inertia_force[i] = -h.mass * s.velocity.acceleration[i];
-            s.inertia_torque[i] = -(rate[i] + gyro[i]);
-            force[i] += s.inertia_force[i];
-            torque[i] += s.inertia_torque[i];
+        if (now.count > 0) {
+            const double moving = 0.5 * (h.mass * dot(s.velocity.linear, s.velocity.linear) + dot(s.velocity.angular, spin));
+            if (s.lent > moving) s.lent = moving;  // what an impact took is gone
+        } else if (s.velocity.known >= 2) {
+            render_inertia(s, pose, spin, moved, turned, state.dt);
+            for (int i = 0; i < 3; ++i) {
+                force[i] += s.inertia_force[i];
+                torque[i] += s.inertia_torque[i];
+            }
         }
     }
     double arm[3], about[3];
     for (int i = 0; i < 3; ++i) arm[i] = to.position[i] - state.position[i];
-    rigid_limit(s, force, torque, arm, status);
+    const double kept = rigid_limit(s, force, torque, arm, status);
     cross(arm, force, about);
     for (int i = 0; i < 3; ++i) {
+        s.inertia_force[i] *= kept;
+        s.inertia_torque[i] *= kept;
         s.force[i] = force[i];
         s.torque[i] = torque[i];
         out.force[i] = force[i];
@@ -135,6 +163,7 @@ void rigid_release(palpate_rigid_session& s) noexcept {
         s.velocity.linear[i] = s.velocity.angular[i] = s.velocity.acceleration[i] = s.velocity.angular_acceleration[i] = 0.0;
     }
     s.stored = 0.0;
+    s.lent = 0.0;
     s.gravity_on = 0.0;
     const double given = s.coupled.given;
     s.coupled = rigid_coupled{};
@@ -179,7 +208,7 @@ std::uint32_t rigid_meet(palpate_rigid_session& s, const rigid_pose& pose, doubl
     return status;
 }
 
-void rigid_limit(const palpate_rigid_session& s, double force[3], double torque[3], const double arm[3], std::uint32_t& status) noexcept {
+double rigid_limit(const palpate_rigid_session& s, double force[3], double torque[3], const double arm[3], std::uint32_t& status) noexcept {
     double about[3], keep = 1.0;
     cross(arm, force, about);
     for (int i = 0; i < 3; ++i) about[i] += torque[i];
@@ -193,6 +222,7 @@ void rigid_limit(const palpate_rigid_session& s, double force[3], double torque[
             torque[i] *= keep;
         }
     }
+    return keep;
 }
 
 void rigid_tell(const palpate_rigid_session& s, palpate_rigid_response& out) noexcept {

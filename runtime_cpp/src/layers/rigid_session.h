@@ -48,6 +48,7 @@ struct palpate_rigid_session {
     double force[3], torque[3];             // sent: on the hand; torque about the device's centre of mass
     double inertia_force[3], inertia_torque[3];
     double stored, gravity_on;              // J, of the contacts; 1 while gravity is rendered
+    double lent;                            // J; put into the rendered inertia by the hand, which may have it back
     palpate::rigid_books account;
     palpate::rigid_coupled coupled;
 };
@@ -74,8 +75,8 @@ void rigid_tell_contact(const rigid_principal& pc, const rigid_held_contact& c, 
 // Motion and accounts.
 void rigid_tell(const palpate_rigid_session& s, palpate_rigid_response& out) PALPATE_REAL_TIME;
 
-// Scales force and torque (about a point at -arm) to the device's limits.
-void rigid_limit(const palpate_rigid_session& s, double force[3], double torque[3], const double arm[3], std::uint32_t& status) PALPATE_REAL_TIME;
+// Scales force and torque (about a point at -arm) to the device's limits, by the factor that it returns.
+double rigid_limit(const palpate_rigid_session& s, double force[3], double torque[3], const double arm[3], std::uint32_t& status) PALPATE_REAL_TIME;
 
 // The tick of a coupled object: the device is at `device`, it `moved` and `turned` since the last tick; `status`: what that gave.
 std::uint32_t rigid_coupled_tick(palpate_rigid_session& s, const palpate_rigid_state& state, const rigid_place& device,

@@ -92,7 +92,7 @@ def close_to(what: str, value: float, expected: float, bar: float) -> str:
 
 def not_above(what: str, value: float, bar: float) -> str:
     """A sentence where value <= bar.  Raises Wrong elsewhere."""
-    said = f"{what} {value:.2g} (bar {bar:.2g})"
+    said = f"{what} {value:.3g} (bar {bar:.3g})"
     if not (np.isfinite(value) and value <= bar):
         raise Wrong(said)
     return said

@@ -17,6 +17,7 @@ import numpy as np
 
 from palpate.author.extremes.block_press import pressed
 from palpate.author.extremes.case import Case, Refused, Wrong, close_to, not_above
+from palpate.author.extremes.rubbing_cases import NEXT_TO_NOTHING
 from palpate.author.organ_stage import OrganMesh, mesh_organ
 from palpate.author.scene import Scene
 from palpate.author.store import Store
@@ -159,7 +160,9 @@ def _ball(s: Subject, radius: float) -> str:
 
 
 def _friction(s: Subject, friction: float) -> str:
-    ratio = s.force(friction=friction) / s.usual
+    ratio = s.force(friction=friction or NEXT_TO_NOTHING) / s.usual
+    if not friction:
+        return close_to(f"force at {NEXT_TO_NOTHING:g} against the press without any", ratio, 1.0, 1e-2)
     if ratio < 1.0 - 1e-2:
         raise Wrong(f"friction made the press softer, {ratio:.4f} times")
     return not_above("force over that without friction", ratio, MOST_STUCK + 1e-2)

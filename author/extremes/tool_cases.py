@@ -63,7 +63,7 @@ def _cone() -> str:
     radius, angle, depth = 1e-4, np.radians(45.0), 4e-5
     expected = sneddon.profile_force(_modulus(), *sneddon.cone_profile(angle, radius, 1e-2), depth)
     force = _on_half_space(Cone(angle, tip_radius=radius), depth)
-    return close_to("force against Sneddon's profile", force, expected, 0.1)
+    return close_to("force against Sneddon's profile", force, expected, 0.03)
 
 
 def _punch() -> str:

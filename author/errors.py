@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+from zipfile import BadZipFile
 
 from palpate.fem_offline.errors import MeshError, SupportError, SurfaceError, ToolError
 from palpate.fields.field_error import FieldError
 from palpate.runtime.library import RuntimeFailure
 
 __all__ = [
+    "UNREADABLE",
     "InputError",
     "InputProblem",
     "Interrupted",
@@ -26,6 +28,8 @@ __all__ = [
     "problems_of",
 ]
 
+UNREADABLE = (OSError, ValueError, TypeError, LookupError, EOFError, BadZipFile)
+"""What NumPy and SciPy raise where a table, an archive or a sound file is none."""
 _REFUSALS = (SurfaceError, MeshError, SupportError, ToolError, FieldError)
 """How the rooms below, which cannot import this one, refuse an input."""
 _REFUSED_FIELD = range(4, 14)

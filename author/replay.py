@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from palpate.author.errors import InputError, InputProblem
+from palpate.author.errors import UNREADABLE, InputError, InputProblem
 
 __all__ = ["RESULT_COLUMNS", "read_trace", "replay", "write_trace"]
 
@@ -132,7 +132,7 @@ def read_trace(path: Path) -> dict[str, np.ndarray]:
             if rows.shape[1] != len(names):
                 raise ValueError(f"{len(names)} names for {rows.shape[1]} columns")
             table = dict(zip(names, rows.T, strict=True))
-    except (ValueError, OSError) as error:
+    except UNREADABLE as error:
         what = "cannot be read as a table of numbers"
         raise InputError(
             InputProblem(str(path), "", str(error)[:80], what, "CSV with a header, or NPZ")

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from palpate.author.errors import InputError
+from palpate.author.errors import UNREADABLE, InputError
 from palpate.author.scene import Scene
 from palpate.author.texture.texture_rules import FACTORS
 from palpate.author.texture.texture_table import WAVES
@@ -158,7 +158,7 @@ def _waves(scene: Scene, key: str, table: Table) -> tuple[Waves, float]:
                 high, (1.0 - 1e-9) / (max(limits.time_factor, limits.space_factor) * limits.resolution)
             )
         own, left = profile(position, height, direction, count, (low, high))
-    except (FieldError, ValueError, OSError, KeyError) as error:
+    except (FieldError, *UNREADABLE) as error:
         expected = "two columns or arrays, position and height, in m"
         raise InputError(
             scene.problem(f"{key}.file", str(table.file), f"is no profile ({error})", expected)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palpate.author.errors import InputError, InputProblem
+from palpate.author.errors import UNREADABLE, InputError, InputProblem
 from palpate.author.transients.library import Library
 from palpate.fields.transient_layout import SAMPLE_LIMIT, VELOCITY_LIMIT
 
@@ -37,7 +37,7 @@ def read_library(path: Path) -> tuple[Library, float]:
             rate = float(data["rate"])
             velocity, force = (np.asarray(data[key], dtype=float) for key in ("velocity", "force"))
             beside = float(data["beside"]) if "beside" in data else 0.0
-    except (OSError, ValueError, TypeError, EOFError) as error:
+    except UNREADABLE as error:
         raise InputError(problem("", None, f"is no library ({error})", made)) from error
     problems = []
     if velocity.ndim != 1 or force.ndim != 2 or len(force) != len(velocity):

@@ -17,10 +17,12 @@ from pathlib import Path
 import numpy as np
 from scipy.io import wavfile
 
-from palpate.author.errors import InputError, InputProblem
+from palpate.author.errors import UNREADABLE, InputError, InputProblem
 
 __all__ = ["Recording", "read_recording", "require_usable"]
 
+BEGINS = 5e-3
+"""s; a contact's acceleration reaches a tenth of its largest within that of the recording's start."""
 CLIPPED = 4
 """As many samples in a row at the largest magnitude are a clipped recording."""
 
@@ -64,27 +66,39 @@ def read_recording(path: Path, scale: tuple[float, float] = (1.0, 1.0)) -> Recor
                     raise refuse(
                         "lacks arrays", "rate and acceleration; force of a sweep; velocity of a contact"
                     )
-                rate, acceleration = float(data["rate"]), np.asarray(data["acceleration"], dtype=float)
-                force = np.asarray(data["force"], dtype=float) if "force" in data else None
+                rate, acceleration = float(data["rate"]), _real(data["acceleration"])
+                force = _real(data["force"]) if "force" in data else None
                 velocity = float(data["velocity"]) if "velocity" in data else None
         elif kind == ".wav":
             rate, samples = wavfile.read(path)
-            full = np.iinfo(samples.dtype).max if samples.dtype.kind == "i" else 1.0
-            samples = samples.astype(float) / full
+            if samples.ndim == 2 and samples.shape[1] > 2:
+                raise refuse(f"has {samples.shape[1]} channels", "force and acceleration, or acceleration")
+            middle, full = 0.0, 1.0
+            if samples.dtype.kind in "iu":
+                full = np.iinfo(samples.dtype).max
+            if samples.dtype == np.uint8:  # 8 bits are unsigned
+                middle, full = 128.0, 127.0
+            samples = (samples.astype(float) - middle) / full
             if samples.ndim == 2:
                 force, acceleration = samples[:, 0] * scale[0], samples[:, 1] * scale[1]
             else:
                 acceleration = samples * scale[1]
         else:
             raise refuse("is of no known kind", "CSV, NPZ or WAV")
-    except (OSError, ValueError) as error:
+    except UNREADABLE as error:
         raise refuse(f"cannot be read ({error})", "a CSV, NPZ or WAV file") from error
     return Recording(str(path), float(rate), acceleration, force, velocity)
 
 
+def _real(values: np.ndarray) -> np.ndarray:
+    if np.iscomplexobj(values):
+        raise ValueError("complex numbers")
+    return np.asarray(values, dtype=float)
+
+
 def require_usable(recording: Recording, band: tuple[float, float], sweep: bool = False) -> None:
-    """Raises InputError with all that is wrong: rate, numbers, clipping, lengths, force and acceleration out
-    of step."""
+    """Raises InputError with all that is wrong: rate, numbers, clipping, lengths, force and acceleration out of step;
+    of a contact (no `sweep`) a start that is not the contact's."""
     a, f, rate = recording.acceleration, recording.force, recording.rate
     problems: list[InputProblem] = []
 
@@ -116,6 +130,14 @@ def require_usable(recording: Recording, band: tuple[float, float], sweep: bool 
                 add(
                     "acceleration", late, "s behind the force: they are misaligned", "a delay from 0 to 20 ms"
                 )
+    if not sweep and not problems and (peak := float(abs(a).max())) > 0.0:
+        late = float(np.argmax(abs(a) >= 0.1 * peak)) / rate
+        if late > BEGINS:
+            what = "s after the recording begins is the contact: they are misaligned"
+            add("acceleration", late, what, f"a recording that begins at the contact, to {1e3 * BEGINS:g} ms")
+        elif abs(a[0]) > 0.5 * peak:
+            what = "m/s2 at the first sample: the recording begins after the contact"
+            add("acceleration", float(a[0]), what, "a recording that begins at the contact, at rest")
     if problems:
         raise InputError(problems)
 

@@ -152,6 +152,15 @@ def test_what_cannot_be_stored_is_refused_before_any_press(asked, table: str, ke
     assert key in str(told.value) and what in str(told.value)
 
 
+@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04111111", b"\xff\x00\x80"])
+@pytest.mark.parametrize("file", ["wood.csv", "wood.npz"])
+def test_a_file_that_is_no_profile_is_refused(asked, folder: Path, file: str, content: bytes) -> None:
+    scene = asked(PROFILE.replace("wood.csv", file))
+    (folder / file).write_bytes(content)
+    with pytest.raises(InputError, match=r"texture\[0\]\.file.*is no profile"):
+        textures_of(scene)
+
+
 def test_an_effect_without_a_table_and_a_table_without_the_effect_are_refused(write_scene, asked) -> None:
     with pytest.raises(InputError, match=r"a table \[\[texture\]\]"):
         asked("")

@@ -24,6 +24,7 @@ from palpate.author.transients.flat_surface import RuntimeLoop
 from palpate.author.transients.identification import BAND, DeviceModel, empirical_transfer, sweep
 from palpate.author.transients.inversion import inverted, require_invertible, spectrum_error
 from palpate.author.transients.library import Library, library_of
+from palpate.author.transients.library_file import read_library
 from palpate.author.transients.recordings import Recording, read_recording, require_usable
 from palpate.author.transients.samples import FIRM, PULSE, REAL, SOFT, Rendering, controller, layer_of
 from palpate.author.transients.shapes import decaying_sinusoid, modal_sum, pulse
@@ -166,6 +167,22 @@ def test_a_model_that_cannot_be_inverted_in_the_band_is_refused(model: DeviceMod
         require_invertible(model, 1000.0)
     with pytest.raises(InputError, match="short"):
         inverted(model, np.zeros(100), 0.1, 1e4)
+    tap = after_contact(tapped(STYLUS, np.array([0.1]), REAL[TARGET]))[0]
+    assert inverted(model, tap, 0.1, STYLUS.rate).error < 0.12
+    for hertz, fine in ((20.0, False), (50.0, False), (200.0, False), (2000.0, True)):
+        z = (
+            2.0 * np.pi * hertz
+        )  # no slower, no louder, but late: its inverse would have to begin before the contact
+        late = DeviceModel(
+            np.polymul(model.numerator, [1.0, -z]), np.polymul(model.denominator, [1.0, z]), 0.0
+        )
+        require_invertible(late, STYLUS.rate)
+        for stiffness in (0.0, FIRM):
+            if fine:
+                inverted(late, tap, 0.1, STYLUS.rate, stiffness)
+            else:
+                with pytest.raises(InputError, match=r"before the contact at 0\.1 m/s"):
+                    inverted(late, tap, 0.1, STYLUS.rate, stiffness)
     with pytest.raises(InputError, match="cannot index a library"):
         library_of(model, [np.zeros(1000)] * 2, [0.1, 0.1], 1e4)
 
@@ -185,9 +202,57 @@ def test_bad_recordings_are_refused_by_name(tmp_path: Path) -> None:
     ):
         with pytest.raises(InputError, match=match):
             require_usable(recording, BAND, sweep=True)
+    tap = after_contact(tapped(STYLUS, np.array([0.1]), REAL[TARGET]))[0]
+    require_usable(Recording("good", 1e4, tap), BAND)
+    for wrong, match in (
+        (np.r_[np.zeros(600), tap], "= 0.06.* misaligned"),
+        (tap[np.argmax(abs(tap)) :], "begins after the contact"),
+        (np.clip(tap, -0.5 * abs(tap).max(), 0.5 * abs(tap).max()), "clipped"),
+    ):
+        with pytest.raises(InputError, match=match):
+            require_usable(Recording("r", 1e4, wrong), BAND)
     (tmp_path / "a.txt").write_text("x")
     with pytest.raises(InputError, match="no known kind"):
         read_recording(tmp_path / "a.txt")
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("empty.csv", b""), ("headed.csv", b"time,acceleration\n"), ("one.csv", b"time,acceleration\n0,1\n"),
+        ("bytes.csv", bytes(range(256))), ("ragged.csv", b"time,acceleration\n0,1\n1\n2,3\n"),
+        ("bare.csv", b"0,1\n1,2\n2,3\n"), ("empty.npz", b""), ("no.npz", b"hello"), ("cut.npz", b"PK\x03\x04111111"),
+        ("no.wav", b"hello"), ("cut.wav", b"RIFFxxxx"), ("rates.npz", {"rate": np.ones(3)}),
+        ("velocities.npz", {"velocity": np.ones(2)}), ("words.npz", {"acceleration": np.array(["a", "b"])}),
+        ("complex.npz", {"acceleration": 1j * np.ones(99)}), ("three.wav", np.zeros((99, 3), np.float32)),
+    ],
+)  # fmt: skip
+@pytest.mark.filterwarnings("ignore:genfromtxt")
+def test_a_file_that_is_no_recording_is_refused_by_name(name: str, content: object, tmp_path: Path) -> None:
+    path = tmp_path / name
+    if isinstance(content, bytes):
+        path.write_bytes(content)
+    elif isinstance(content, dict):
+        np.savez(path, **({"rate": 1e4, "acceleration": np.zeros(99)} | content))
+    else:
+        wavfile.write(path, 10_000, content)
+    with pytest.raises(InputError, match=name):
+        read_recording(path)
+    if path.suffix == ".npz":
+        with pytest.raises(InputError, match=name):
+            read_library(path)
+
+
+@pytest.mark.parametrize(
+    ("kind", "full", "middle"),
+    [(np.uint8, 127, 128), (np.int16, 2**15 - 1, 0), (np.int32, 2**31 - 1, 0), (np.float32, 1, 0)],
+)
+def test_sound_files_of_every_width_say_the_same(kind: type, full: int, middle: int, tmp_path: Path) -> None:
+    tap = 0.8 * np.sin(0.3 * np.arange(500)) * np.exp(-np.arange(500) / 100.0)
+    scaled = full * tap + middle
+    wavfile.write(tmp_path / "tap.wav", 10_000, (scaled if full == 1 else np.round(scaled)).astype(kind))
+    read = read_recording(tmp_path / "tap.wav", (1.0, 50.0))
+    assert read.acceleration == pytest.approx(50.0 * tap, abs=25.0 / full + 1e-5)
 
 
 def test_commands_go_from_a_plan_to_a_library(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

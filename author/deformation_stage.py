@@ -24,7 +24,7 @@ from palpate.fields.deformation_fit import SurfacePress, fit_deformation
 from palpate.fields.deformation_layout import deformation_bytes, read_deformation
 from palpate.fields.response_field import ResponseField
 
-__all__ = ["judged_deformation", "surface_press", "tool_gap", "with_deformation"]
+__all__ = ["gap_counts", "judged_deformation", "surface_press", "tool_gap", "with_deformation"]
 
 WITHIN = 3.0
 """Errors are judged within so many tool radii of the contact."""
@@ -36,10 +36,9 @@ GAP_STEPS = 48
 
 def tool_gap(shape: ToolShape, depth: float) -> ToolGap:
     """The tool's signed distance where tissue `depth` (m) deep may be."""
-    tool, extent = solid_tool(shape), contact_extent(shape, depth)
-    step = extent / GAP_STEPS
-    height = step * np.arange(-2, int(np.ceil(1.5 * depth / step)) + 2)
-    across = step * np.arange(int(np.ceil(1.6 * GAP_STEPS)))
+    tool, step = solid_tool(shape), contact_extent(shape, depth) / GAP_STEPS
+    heights, distances = gap_counts(shape, depth)
+    height, across = step * np.arange(-2, heights - 2), step * np.arange(distances)
     grid = np.stack(np.meshgrid(height, across, indexing="ij"), axis=-1)
     offset = tool.offset_along(
         np.array([0.0, 0.0, -1.0])
@@ -47,6 +46,12 @@ def tool_gap(shape: ToolShape, depth: float) -> ToolGap:
     points = np.stack([grid[..., 1], np.zeros_like(grid[..., 1]), grid[..., 0] - offset], axis=-1)
     gap = tool.distance(points.reshape(-1, 3), Pose.upright(np.zeros(3))).gap
     return ToolGap(step, gap.reshape(grid.shape[:2]))
+
+
+def gap_counts(shape: ToolShape, depth: float) -> tuple[int, int]:
+    """Heights and distances of `tool_gap`."""
+    step = contact_extent(shape, depth) / GAP_STEPS
+    return int(np.ceil(1.5 * depth / step)) + 4, int(np.ceil(1.6 * GAP_STEPS))
 
 
 def surface_press(outcome: PressOutcome, count: int) -> SurfacePress | None:

@@ -32,10 +32,9 @@ from palpate.author.effort import (
     region_nodes,
     seed_count,
 )
+from palpate.author.plan_layers import layer_costs
 from palpate.author.scene import Scene
 from palpate.author.scene_tables import Tool
-from palpate.author.texture.texture_stage import textures_of
-from palpate.author.transients.transient_stage import transients_of
 
 __all__ = ["added_by", "rfield_bytes", "tool_row", "with_time"]
 
@@ -43,7 +42,7 @@ GEOMETRY = 38e3, 1.36e7
 """Bytes, (a, b) in a + b A over A m2: index, contact geometry, curves, provenance."""
 STRIDE = 15e3, 9.1e6
 """Bytes of four amplitude channels, likewise."""
-TICK = {"response": 120.0, "friction": 20.0, "transient": 25.0}
+TICK = {"response": 120.0, "friction": 20.0}
 """ns."""
 MOVES = 0.25
 """Share of a held-out full press that its two sticking moves take; an upper estimate, two of twelve equilibria, each
@@ -68,6 +67,8 @@ def tool_row(scene: Scene, tool: Tool, area: float, tets: int) -> dict[str, Any]
     members = len(tool.radius or (0,)) * (2 * len(tool.tilt or (0,)) - 1)
     ways = len(tool.tilt or (0,))
     sizes = rfield_bytes(area, scene.effects)
+    expected = asked or expected_nodes(most) + REGION_EXPECTED * regions
+    layers = layer_costs(scene, tool, round(STRIDE[0] + STRIDE[1] * area), expected)
     return {
         "name": tool.name,
         "shape": tool.shape,
@@ -75,7 +76,7 @@ def tool_row(scene: Scene, tool: Tool, area: float, tets: int) -> dict[str, Any]
         "depth_max": scene.depth_max(tool),
         "friction": tool.friction if "friction" in scene.effects else None,
         "seeds": seed_count(most) + REGION_SEEDS * regions,
-        "expected": asked or expected_nodes(most) + REGION_EXPECTED * regions,
+        "expected": expected,
         "nodes": asked or most + region_nodes(regions),
         "members": members,
         "held_out": held,
@@ -83,8 +84,9 @@ def tool_row(scene: Scene, tool: Tool, area: float, tets: int) -> dict[str, Any]
         "node_seconds": members * press_seconds(scene.accuracy.fidelity, tets),
         "held_out_seconds": press_seconds("full", tets),
         "fitting_seconds": fitting_seconds(area),
-        "bytes": ways * sum(sizes.values()),
-        "tick_ns": sum(TICK.get(effect, 0.0) for effect in scene.effects),
+        "layers": {effect: {"bytes": cost.bytes, "tick_ns": cost.tick_ns} for effect, cost in layers.items()},
+        "bytes": ways * sum(sizes.values()) + sum(cost.bytes for cost in layers.values()),
+        "tick_ns": sum(TICK[effect] for effect in sizes) + sum(cost.tick_ns for cost in layers.values()),
     }
 
 
@@ -128,8 +130,8 @@ def added_by(
     Args:
         chosen, tools: tools of the scene, and their rows after `with_time`.
 
-    Rows are not disjoint: an effect's are the sum over tools, a tool's over effects; `bytes` and `tick_ns` of an effect
-    that this table has no number for are None.
+    Rows are not disjoint: an effect's are the sum over tools, a tool's over effects.  An effect's tick is that of the
+    tool in which it takes longest.  What a deformation takes of the presses' time has not been measured, and is None.
     """
     sizes = rfield_bytes(area, scene.effects)
     ways = sum(len(tool.tilt or (0,)) for tool in chosen)
@@ -137,24 +139,16 @@ def added_by(
     moves = MOVES * held if "friction" in scene.effects else 0.0
     effects = []
     for effect in scene.effects:
-        if effect == "texture":
-            effects.append(_textures(scene, chosen, round(STRIDE[0] + STRIDE[1] * area)))
-            continue
-        if effect == "transient":
-            effects.append(_transients(scene, chosen))
-            continue
+        layers = [row["layers"][effect] for row in tools if effect in row["layers"]]
         known = effect in sizes
-        presses = sum(row["presses"] for row in tools) if effect == "response" else 0
-        seconds = {"response": sum(row["cpu_seconds"] for row in tools) - moves, "friction": moves}.get(
-            effect
-        )
+        seconds = {"response": sum(row["cpu_seconds"] for row in tools) - moves, "friction": moves}
         effects.append(
             {
                 "name": effect,
-                "presses": presses if known else None,
-                "cpu_seconds": seconds,
-                "bytes": ways * sizes[effect] if known else None,
-                "tick_ns": TICK.get(effect),
+                "presses": sum(row["presses"] for row in tools) if effect == "response" else 0,
+                "cpu_seconds": seconds.get(effect, None if effect == "deformation" else 0.0),
+                "bytes": ways * sizes[effect] if known else sum(layer["bytes"] for layer in layers),
+                "tick_ns": TICK[effect] if known else max(layer["tick_ns"] for layer in layers),
             }
         )
     keys = ("name", "presses", "cpu_seconds", "bytes", "tick_ns")
@@ -172,34 +166,4 @@ def added_by(
         "effects": effects,
         "tools": [{key: row[key] for key in keys} for row in tools],
         "regions": regions,
-    }
-
-
-def _textures(scene: Scene, chosen: Sequence[Tool], masks: int) -> dict[str, Any]:
-    """Header and groups of four waves; masks are as large as four amplitude channels, `masks` bytes."""
-    made = textures_of(scene)
-    assert made is not None
-    texture = made[0]
-    groups, masked = (
-        sum(-(-len(w.phase) // 4) for w in texture.waves),
-        any(w.mask >= 0 for w in texture.waves),
-    )
-    return {
-        "name": "texture",
-        "presses": 0,
-        "cpu_seconds": 0.0,
-        "bytes": len(chosen) * (160 + 160 * groups + (masks if masked else 0)),
-        "tick_ns": 17.0 + 10.0 * groups + (12.0 if masked else 0.0),  # tests/benchmarks/layer_ticks.py
-    }
-
-
-def _transients(scene: Scene, chosen: Sequence[Tool]) -> dict[str, Any]:
-    """They need no press; their bytes are known before any work."""
-    made = [transients_of(scene, tool) for tool in chosen]
-    return {
-        "name": "transient",
-        "presses": 0,
-        "cpu_seconds": 0.0,
-        "bytes": sum(len(one[0]) for one in made if one),
-        "tick_ns": TICK["transient"],
     }

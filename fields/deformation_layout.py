@@ -12,7 +12,7 @@ import numpy as np
 from palpate.fields.deformation import COMPONENTS, Deformation, ToolGap
 from palpate.fields.field_error import FieldError
 
-__all__ = ["HEADER", "HEADER_DTYPE", "deformation_bytes", "read_deformation"]
+__all__ = ["HEADER", "HEADER_DTYPE", "deformation_bytes", "layer_size", "read_deformation"]
 
 MAGIC = 0x4D464544
 """DEFM."""
@@ -62,6 +62,14 @@ def arrays(h: np.ndarray) -> list[tuple[str, tuple[int, ...], str]]:
         ("stuck", (K, J, COMPONENTS[3]), "<f4"),
         ("gap", (int(h["gap_count"][0]), int(h["gap_count"][1])), "<f4"),
     ]
+
+
+def layer_size(h: np.ndarray) -> int:
+    """Bytes of a layer with the counts of a header (HEADER_DTYPE)."""
+    size = HEADER_DTYPE.itemsize + sum(
+        int(np.prod(shape)) * np.dtype(kind).itemsize for _, shape, kind in arrays(h)
+    )
+    return size + -size % 8
 
 
 def deformation_bytes(model: Deformation) -> bytes:

@@ -99,4 +99,6 @@ def test_a_plan_says_what_it_adds(write_scene: Callable[..., Path]):
     without = plan(load_scene(write_scene())).result
     with_effect = plan(load_scene(write_scene("", ('name = "block"', WITH)))).result
     assert "deformation" in with_effect["stored"] and "deformation" not in without["stored"]
+    own = with_effect["tools"][0]["layers"]["deformation"]["bytes"]
+    assert own == with_effect["tools"][0]["bytes"] - without["tools"][0]["bytes"] and 80_000 < own < 110_000
     assert "deformation" in without["not_modelled"] and "deformation" not in with_effect["not_modelled"]

@@ -105,16 +105,37 @@ def test_a_time_budget_buys_nodes_but_seeds_and_judgement_are_always_pressed(wri
     assert none["wall"] > 1.0
 
 
+LAYERS = """
+[[texture]]
+kind = "grating"
+amplitude = "20 um"
+wavelength = "1 mm"
+direction = [1, 0, 0]
+
+[tool.transient]
+shape = "pulse"
+amplitude = "1 N s/m"
+duration = "10 ms"
+"""
+KINDS = {
+    "response": ("", ""),
+    "response, friction": (", friction", ""),
+    "all": (", friction, texture, transient, deformation", LAYERS),
+}
+
+
 @pytest.mark.parametrize("region", ["", NODULE])
-@pytest.mark.parametrize("effects", ['"response"', '"response", "friction"'])
-def test_what_is_added_adds_up(write_scene, effects: str, region: str) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_added_adds_up(write_scene, kind: str, region: str) -> None:
+    more, tables = KINDS[kind]
+    effects = ", ".join(f'"{effect}"' for effect in f"response{more}".split(", "))
     asked = ('name = "block"', f'name = "block"\neffects = [{effects}]')
-    friction = ('radius = "5 mm"', 'radius = "5 mm"\nfriction = 0.1')
+    friction = ('radius = "5 mm"', f'radius = "5 mm"\nfriction = 0.1\n{tables}')
     result = plan(load_scene(write_scene(SPHERE + region, asked, friction))).result
     added, tools = result["added"], result["tools"]
     assert [row["name"] for row in added["effects"]] == effects.replace('"', "").split(", ")
     for key in ("presses", "cpu_seconds", "bytes", "tick_ns"):
-        assert sum(row[key] for row in added["effects"]) == pytest.approx(
+        assert sum(row[key] or 0 for row in added["effects"]) == pytest.approx(
             sum(row[key] for row in added["tools"])
         )
     assert [row["presses"] > 0 for row in added["regions"]] == ([True] if region else [])

@@ -15,7 +15,7 @@ from pxr import Sdf
 
 from palpate.fields.deformation import deform
 from palpate.fields.deformation_fit import fit_deformation
-from palpate.fields.deformation_layout import HEADER_DTYPE, deformation_bytes, read_deformation
+from palpate.fields.deformation_layout import HEADER_DTYPE, deformation_bytes, layer_size, read_deformation
 from palpate.fields.field_error import FieldError
 from palpate.fields.usd_read import read_field
 from palpate.fields.usd_validators import asset_errors
@@ -79,6 +79,7 @@ def test_a_stuck_tool_drags_the_surface_along():
 def test_the_layers_bytes_are_what_the_list_says_and_come_back():
     model = known_deformation()
     data = deformation_bytes(dataclasses.replace(model, error={"p95": 0.02, "max": 0.1}))
+    assert layer_size(np.frombuffer(data, HEADER_DTYPE, 1)[0]) == len(data)
     again = read_deformation(data)
     assert again.ranks == model.ranks and again.error == {"p95": 0.02, "max": 0.1}
     assert deformation_bytes(again) == data

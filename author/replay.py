@@ -73,8 +73,9 @@ def replay(
         status (sentence: ticks).
 
     Raises:
-        InputError: a file is missing or no table of numbers, a column is missing or has not one usable row.
-        RuntimeFailure: the .rfield is damaged, or a number is out of range.
+        InputError: a file is missing or no table of numbers, a column is missing or has not one usable row, or a number
+            is out of range.
+        RuntimeFailure: the .rfield is damaged.
     """
     from palpate.runtime import Config, Field, Session
 
@@ -83,6 +84,9 @@ def replay(
         raise InputError(InputProblem(str(field), "", None, "does not exist", "an .rfield"))
     if out is not None and out.suffix not in (".csv", ".npz"):
         raise InputError(InputProblem("", "--out", str(out), "has an unknown ending", ".csv or .npz"))
+    for key, value in (("--friction", friction), ("--force-max", force_max)):
+        if value is not None and not 0.0 <= value < np.inf:
+            raise InputError(InputProblem("", key, value, "is not usable", "a number from 0"))
     opened = Field.open(field)
     session = Session(opened, Config(friction_coefficient=friction, force_max=force_max))
     wholes = {

@@ -39,8 +39,9 @@ def plan(
 
         from palpate.author.transients.identification import BAND, sweep
 
-        if not amplitude > 0.0:
-            raise InputError(InputProblem("", "--amplitude", amplitude, "is not usable", "above 0 N"))
+        if not 0.0 < amplitude <= 1e3:
+            expected = "above 0, at most 1000 N"
+            raise InputError(InputProblem("", "--amplitude", amplitude, "is not usable", expected))
         force = sweep(amplitude, rate)
         out.mkdir(parents=True, exist_ok=True)
         file = out / "sweep.csv"
@@ -142,6 +143,8 @@ def library(
         from palpate.author.transients.pictures import library_picture, tap_sound
         from palpate.author.transients.recordings import read_recording, require_usable
 
+        if not 0.0 <= stiffness < np.inf:
+            raise InputError(InputProblem("", "--beside", stiffness, "is no stiffness", "0 N/m or more"))
         try:
             read = json.loads(model.read_text())
             device = DeviceModel(

@@ -35,6 +35,8 @@ __all__ = ["BAND", "DeviceModel", "Empirical", "empirical_transfer", "fitted_mod
 
 BAND = (10.0, 500.0)
 """Hz."""
+RATE_MAX = 1e6
+"""Hz, as of a field's transients."""
 SMOOTHING = 4.0
 """Hz, of the average over neighbouring frequencies; a resonance of 130 Hz with a quality of 10 is 13 Hz wide."""
 GOOD = 0.03
@@ -77,9 +79,10 @@ def sweep(
 
     Raises InputError where `rate` cannot carry the band.
     """
-    if rate < 4.0 * band[1]:
-        what = f"cannot carry a sweep to {band[1]:g} Hz"
-        raise InputError(InputProblem("", "--rate", rate, what, f"at least {4 * band[1]:g} Hz"))
+    if not 4.0 * band[1] <= rate <= RATE_MAX:
+        what = f"is no rate of a loop that carries a sweep to {band[1]:g} Hz"
+        expected = f"{4 * band[1]:g} to {RATE_MAX:g} Hz"
+        raise InputError(InputProblem("", "--rate", rate, what, expected))
     time = np.arange(round(duration * rate)) / rate
     return amplitude * chirp(time, band[0], duration, band[1], phi=-90) * tukey(len(time), 0.04)
 

@@ -53,14 +53,13 @@ def organ_modes(
         InputError: a number is out of range, or nothing of the surface lies in the reach.
     """
     for key, value, most in (
-        ("--mass", mass, np.inf),
+        ("--mass", mass, 1e3),
         ("--damping-ratio", damping_ratio, 1.0),
-        ("--density", density, np.inf),
+        ("--density", density, 1e5),
         ("--count", count, 1000),
     ):
         if not 0.0 < value <= most:
-            expected = "above 0" + (f", at most {most:g}" if np.isfinite(most) else "")
-            raise InputError(InputProblem("", key, value, "is not usable", expected))
+            raise InputError(InputProblem("", key, value, "is not usable", f"above 0, at most {most:g}"))
     organ = mesh.organ
     faces = organ.faces
     corners = organ.points[faces]

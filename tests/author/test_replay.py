@@ -180,6 +180,13 @@ def test_a_file_that_is_no_trace_is_refused(tmp_path, text):
         read_trace(tmp_path / "t.csv")
 
 
+@pytest.mark.parametrize("option", ["--friction", "--force-max"])
+def test_numbers_that_no_session_takes_are_refused_by_name(field, tmp_path, capfd, option):
+    (tmp_path / "t.csv").write_text("dt,x,y,z\n0.001,0,0,0\n")
+    assert main(["replay", str(field), str(tmp_path / "t.csv"), option, "inf"]) == 2
+    assert f"{option} = inf is not usable" in capfd.readouterr().err
+
+
 def test_missing_files_are_refused(field, tmp_path):
     with pytest.raises(InputError):
         replay(field, tmp_path / "none.csv")

@@ -70,7 +70,11 @@ def test_they_go_into_the_scene_as_they_are(write_scene: Callable[..., Path]) ->
 def test_numbers_out_of_range_and_an_empty_reach_are_refused(write_scene: Callable[..., Path]) -> None:
     path = write_scene()
     mesh, scene = meshed(path), load_scene(path)
-    for arguments, words in (((-1.0, 0.1), "--mass"), ((0.05, 1.5), "--damping-ratio")):
+    for arguments, words in (
+        ((-1.0, 0.1), "--mass"),
+        ((float("inf"), 0.1), "--mass"),
+        ((0.05, 1.5), "--damping-ratio"),
+    ):
         with pytest.raises(InputError, match=words):
             organ_modes(scene, mesh, *arguments)
     with pytest.raises(InputError, match="--count"):

@@ -255,6 +255,25 @@ def test_sound_files_of_every_width_say_the_same(kind: type, full: int, middle: 
     assert read.acceleration == pytest.approx(50.0 * tap, abs=25.0 / full + 1e-5)
 
 
+@pytest.mark.parametrize(
+    "wrong", [["--amplitude", "inf"], ["--rate", "nan"], ["--rate", "inf"], ["--rate", "1000"]]
+)
+def test_a_sweep_that_nothing_plays_is_refused_by_name(
+    wrong: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["transients", "plan", "--out", str(tmp_path), *wrong]) == 2
+    assert wrong[0] in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("stiffness", ["nan", "inf", "-1"])
+def test_a_library_beside_no_stiffness_is_refused(
+    stiffness: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["transients", "library", str(tmp_path / "a.npz"), "--model", str(tmp_path / "model.json")]
+    assert main([*command, "--out", str(tmp_path), "--beside", stiffness]) == 2
+    assert "--beside" in capsys.readouterr().err
+
+
 def test_commands_go_from_a_plan_to_a_library(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["transients", "plan", "--out", str(tmp_path), "--json"]) == 0
     planned = json.loads(capsys.readouterr().out)

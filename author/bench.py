@@ -9,6 +9,7 @@ from pathlib import Path
 
 from palpate.author.console import Answer, table_of
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.rfield_file import no_rfield
 
 __all__ = ["bench"]
 
@@ -18,8 +19,8 @@ def bench(field: Path | None = None) -> Answer:
     from palpate import runtime
 
     path = field or _shipped()
-    if not path.is_file():
-        raise InputError(InputProblem(str(path), "", None, "does not exist", "an .rfield"))
+    if problem := no_rfield(path):
+        raise InputError(problem)
     result = {"field": str(path), **runtime.bench(path)}
     table = table_of("ns a tick", "p50", "p99", "p99.9", "max")
     for key, row in result.items():

@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.errors import InputError, InputProblem
+from palpate.author.rfield_file import no_rfield
 
 __all__ = ["certify"]
 
@@ -93,8 +94,8 @@ def certify(
         for key, value in given.items()
         if not (np.isfinite(value) and value >= 0 and (value > 0 or key not in positive))
     ]
-    if not field.is_file():
-        problems.append(InputProblem(str(field), "", None, "does not exist", "an .rfield"))
+    if problem := no_rfield(field):
+        problems.append(problem)
     if problems:
         raise InputError(problems)
     opened = Field.open(field)

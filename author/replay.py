@@ -30,6 +30,7 @@ from typing import Any
 import numpy as np
 
 from palpate.author.errors import UNREADABLE, InputError, InputProblem
+from palpate.author.rfield_file import no_rfield
 
 __all__ = ["RESULT_COLUMNS", "read_trace", "replay", "write_trace"]
 
@@ -80,8 +81,8 @@ def replay(
     from palpate.runtime import Config, Field, Session
 
     table = read_trace(trace)
-    if not field.is_file():
-        raise InputError(InputProblem(str(field), "", None, "does not exist", "an .rfield"))
+    if problem := no_rfield(field):
+        raise InputError(problem)
     if out is not None and out.suffix not in (".csv", ".npz"):
         raise InputError(InputProblem("", "--out", str(out), "has an unknown ending", ".csv or .npz"))
     for key, value in (("--friction", friction), ("--force-max", force_max)):

@@ -190,6 +190,13 @@ def test_a_device_that_cannot_be_is_refused(field, wrong):
         certify(field, **({"rate": 1000, "damping": 0.1} | wrong))
 
 
+def test_an_asset_s_folder_is_told_which_of_its_files_is_meant(field):
+    with pytest.raises(InputError, match=r"is a folder; expected an \.rfield, such as .*plane\.rfield"):
+        certify(field.parent, rate=1000, damping=0.1)
+    with pytest.raises(InputError, match=r"does not exist; expected an \.rfield"):
+        certify(field.parent / "none.rfield", rate=1000, damping=0.1)
+
+
 def test_a_field_that_nothing_touches_gets_no_verdict(field, monkeypatch):
     monkeypatch.setattr("palpate.author.certify.PLACES", 1)  # the one place drawn lies outside contact
     with pytest.raises(InputError, match="none of 1 places in contact"):

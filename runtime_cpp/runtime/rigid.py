@@ -167,7 +167,7 @@ class RigidConfig:
         filter_time: s; of velocities and accelerations.
         coupling_stiffness, coupling_damping: N/m, N s/m; virtual coupling at the grip; 0: none.
         coupling_torsional_stiffness, coupling_torsional_damping: N m/rad, N m s/rad; of turns.
-        acceleration_max: m/s2, of a coupled object's hand; what the energy account counts on.
+        acceleration_max: m/s2, of the hand; what the energy accounts count on.
     """
 
     grip: tuple[float, float, float] = (0.0, 0.0, 0.0)

@@ -17,7 +17,9 @@
  *     work_in = stored_energy(end) - stored_energy(start) + dissipated_friction + dissipated_damping + inertial + gravity_work + unaccounted,
  * where `unaccounted` is what holding wrenches over ticks, changing formations and limits gave (< 0: created) or took.  Luo and
  * Xiao's law is not the gradient of one energy, so unaccounted is not zero; it is told instead of hidden.
- * Inertia is felt in free motion only, and gives back no more than the hand put into it: inertial stays above zero but for one tick's hold.
+ * Inertia is felt in free motion only (not with a coupling), and gives back no more than the hand put into it.  Over ticks of one length, and
+ * a hand that accelerates by at most acceleration_max (of any point of the object), with the object's mass m,
+ *     inertial >= -(1 + 1e-9 n) m a 10 m/s2   after n ticks, a = acceleration_max dt^2 / 0.9.
  * With a coupling, stored_energy has the spring's and the kinetic energy (inertial stays 0, gravity_work is the object's), and over any
  * path of ticks of one length dt whose hand accelerates by at most acceleration_max (of any point of the object)
  *     unaccounted >= -1.01 a (k a / 2 + 0.3 m/s b),   a = acceleration_max dt^2 / 0.9
@@ -60,7 +62,7 @@ typedef struct palpate_rigid_config {
     double coupling_damping;              /* N s/m */
     double coupling_torsional_stiffness;  /* N m/rad; above 0 exactly where coupling_stiffness is */
     double coupling_torsional_damping;    /* N m s/rad */
-    double acceleration_max;              /* m/s2, of a coupled object's hand (default 300); what the energy account counts on */
+    double acceleration_max;              /* m/s2, of the hand (default 300); what the energy accounts count on */
 } palpate_rigid_config;
 
 PALPATE_API void palpate_rigid_config_default(palpate_rigid_config* config) PALPATE_NOEXCEPT;

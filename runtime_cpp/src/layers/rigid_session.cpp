@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The palpate authors
 // SPDX-License-Identifier: Apache-2.0
 // One tick of rigid contact: where the object is, what it touches, how it came there, which wrench that gives.
-#include "rigid_session.h"
+#include "rigid_inertia.h"
 
 #include <cmath>
 #include <cstddef>
@@ -43,28 +43,6 @@ void book_step(palpate_rigid_session& s, const double moved[3], const double tur
     s.account.gravity -= s.gravity_on * s.scene->head.mass * dot(s.scene->head.gravity, moved);
 }
 
-// The object's own inertia, of which the hand gets back no more energy than it has put in: touching, it is not rendered, so what moves
-// faster after a touch than before has no claim on the hand.  What is left is given back over the filter's time, so that no force steps.
-void render_inertia(palpate_rigid_session& s, const rigid_pose& pose, const double spin[3], const double moved[3], const double turned[3],
-                    double dt) noexcept {
-    const rigid_header& h = s.scene->head;
-    double rate[3], gyro[3];
-    inertia_times(h.inertia, pose, s.velocity.angular_acceleration, rate);
-    cross(s.velocity.angular, spin, gyro);  // Euler's equations; Luo and Xiao leave this out
-    for (int i = 0; i < 3; ++i) {
-        s.inertia_force[i] = -h.mass * s.velocity.acceleration[i];
-        s.inertia_torque[i] = -(rate[i] + gyro[i]);
-    }
-    const double time = s.config.filter_time > dt ? s.config.filter_time : dt;
-    const double gives = (dot(s.inertia_force, moved) + dot(s.inertia_torque, turned)) * time / dt;
-    if (!(gives > s.lent)) return;
-    const double keep = s.lent > 0.0 ? s.lent / gives : 0.0;
-    for (int i = 0; i < 3; ++i) {
-        s.inertia_force[i] *= keep;
-        s.inertia_torque[i] *= keep;
-    }
-}
-
 // The object is where the device is.
 std::uint32_t direct_tick(palpate_rigid_session& s, const palpate_rigid_state& state, const rigid_place& to, const double moved[3],
                           const double turned[3], double step, std::uint32_t status, palpate_rigid_response& out) noexcept {
@@ -93,18 +71,12 @@ std::uint32_t direct_tick(palpate_rigid_session& s, const palpate_rigid_state& s
         force[i] = out.contact_force[i] + h.mass * h.gravity[i];
         torque[i] = out.contact_torque[i];
     }
-    if (s.config.inertia != 0) {
-        double spin[3];
-        inertia_times(h.inertia, pose, s.velocity.angular, spin);
-        if (now.count > 0) {
-            const double moving = 0.5 * (h.mass * dot(s.velocity.linear, s.velocity.linear) + dot(s.velocity.angular, spin));
-            if (s.lent > moving) s.lent = moving;  // what an impact took is gone
-        } else if (s.velocity.known >= 2) {
-            render_inertia(s, pose, spin, moved, turned, state.dt);
-            for (int i = 0; i < 3; ++i) {
-                force[i] += s.inertia_force[i];
-                torque[i] += s.inertia_torque[i];
-            }
+    rigid_lose_kinetic(s, pose);
+    if (now.count == 0 && s.config.inertia != 0) {
+        rigid_free_inertia(s, pose, moved, turned, state.dt);
+        for (int i = 0; i < 3; ++i) {
+            force[i] += s.inertia_force[i];
+            torque[i] += s.inertia_torque[i];
         }
     }
     double arm[3], about[3];
@@ -163,7 +135,7 @@ void rigid_release(palpate_rigid_session& s) noexcept {
         s.velocity.linear[i] = s.velocity.angular[i] = s.velocity.acceleration[i] = s.velocity.angular_acceleration[i] = 0.0;
     }
     s.stored = 0.0;
-    s.lent = 0.0;
+    if (s.lent > 0.0) s.lent = 0.0;  // the object's motion is lost; what the hand owes is not
     s.gravity_on = 0.0;
     const double given = s.coupled.given;
     s.coupled = rigid_coupled{};
@@ -254,7 +226,7 @@ extern "C" void palpate_rigid_config_default(palpate_rigid_config* config) PALPA
     config->speed_max = 5.0;
     config->dt_max = 0.1;
     config->filter_time = 0.005;
-    config->acceleration_max = 300.0;
+    config->acceleration_max = rigid_acceleration_max;
 }
 
 extern "C" size_t palpate_rigid_session_size(void) PALPATE_NOEXCEPT { return sizeof(palpate_rigid_session); }

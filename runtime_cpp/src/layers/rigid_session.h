@@ -13,6 +13,8 @@ namespace palpate {
 constexpr std::uint32_t rigid_zero_wrench = PALPATE_RIGID_TICK_JUMP | PALPATE_RIGID_TICK_STALE | PALPATE_RIGID_TICK_BAD_INPUT |
                                             PALPATE_RIGID_TICK_RELEASED | PALPATE_RIGID_TICK_TOO_DEEP | PALPATE_RIGID_TICK_WAITING;
 
+constexpr double rigid_acceleration_max = 300.0;  // m/s2; of a hand, where a config says nothing else
+
 struct rigid_held_contact {
     std::uint32_t key, reserved;
     rigid_grip grip;
@@ -48,7 +50,7 @@ struct palpate_rigid_session {
     double force[3], torque[3];             // sent: on the hand; torque about the device's centre of mass
     double inertia_force[3], inertia_torque[3];
     double stored, gravity_on;              // J, of the contacts; 1 while gravity is rendered
-    double lent;                            // J; put into the rendered inertia by the hand, which may have it back
+    double lent;                            // J; E in rigid_inertia.h: what the hand may have back of its work on the rendered inertia
     palpate::rigid_books account;
     palpate::rigid_coupled coupled;
 };

@@ -64,6 +64,7 @@ class Servo:
             )
         )
         assert handle.value is not None
+        self._state = np.zeros((), dtype=SERVO_STATE)[()]
         self._handle: int | None = handle.value
         self._stopper = weakref.finalize(self, _stop, handle.value, self._fields)
 
@@ -107,7 +108,9 @@ class Servo:
 
     @property
     def state(self) -> np.void:
-        """The latest tick (`SERVO_STATE`); all zero before the first.
+        """The latest tick that could be read (`SERVO_STATE`); all zero before the first.
+
+        A thread that the system stopped while it was telling leaves the one before.
 
         Raises:
             RuntimeFailure: the servo is closed.
@@ -116,8 +119,9 @@ class Servo:
             raise RuntimeFailure(1, "The servo is closed.")
         raw = np.zeros(1, dtype=SERVO_STATE)
         raw["size"] = SERVO_STATE.itemsize
-        _servo().palpate_servo_read(self._handle, raw.ctypes.data)
-        return raw[0]
+        if _servo().palpate_servo_read(self._handle, raw.ctypes.data) == 0:
+            self._state = raw[0]
+        return self._state
 
 
 def _pose(position: ArrayLike, orientation: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

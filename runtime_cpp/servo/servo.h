@@ -50,7 +50,8 @@ PALPATE_API palpate_status palpate_servo_set_field(palpate_servo* servo, const p
 /* palpate_session_reset before the next tick; the counts stay. */
 PALPATE_API palpate_status palpate_servo_reset(palpate_servo* servo);
 
-/* Fills *state (whose size must be set).  Any thread.  PALPATE_BAD_ARGUMENT also where there was no tick yet. */
+/* Fills *state (whose size must be set).  Any thread.  PALPATE_BAD_ARGUMENT also where there was no tick yet, and in
+ * the rare moment in which the system holds the thread up while it publishes: keep what was read before. */
 PALPATE_API palpate_status palpate_servo_read(const palpate_servo* servo, palpate_servo_state* state);
 
 /* Ends the thread and frees everything.  Null is allowed. */

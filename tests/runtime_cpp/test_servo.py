@@ -3,6 +3,7 @@
 """The servo thread, led from Python: the runtime's own forces, steady ways, counts that add up."""
 
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -45,6 +46,18 @@ def test_it_goes_to_its_target_and_feels_what_a_session_feels_there(plane):
     assert felt["region"] == Region.CONTACT and felt["normal_force"] > 0.05
     assert felt["force"] == pytest.approx(alone["force"], rel=1e-12)
     assert felt["stored_energy"] == pytest.approx(alone["stored_energy"], rel=1e-12)
+
+
+def test_what_cannot_be_read_now_is_what_was_read_before(plane, monkeypatch):
+    """As when the system stops the thread while it publishes."""
+    with Servo(plane, ABOVE) as servo:
+        state = wait(servo, lambda s: s["ticks"] > 3)
+        with monkeypatch.context() as held_up:
+            held_up.setattr(
+                "palpate.runtime.servo._servo", lambda: SimpleNamespace(palpate_servo_read=lambda *_: 1)
+            )
+            assert servo.state is state
+        assert wait(servo, lambda s: s["ticks"] > state["ticks"])
 
 
 def test_on_its_way_it_is_on_the_line_and_never_ahead(plane):

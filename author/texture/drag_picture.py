@@ -31,6 +31,7 @@ def drag_picture(dragged: Drag, path: Path) -> None:
     )
     over_time.margins(y=0.25)  # room for the legend
     over_time.legend(fontsize="small", ncols=2, loc="upper right")
+    over_time.grid(color="0.9")
     kept = dragged.frequency <= SHOWN * dragged.expected
     over_frequency.axvline(
         dragged.expected, color="C3", linewidth=1.2, linestyle="--", label=f"k v = {dragged.expected:.4g} Hz"
@@ -41,8 +42,14 @@ def drag_picture(dragged: Drag, path: Path) -> None:
         color="C0",
         label=f"line at {dragged.line:.4g} Hz",
     )
+    over_frequency.axhline(
+        1e3 * dragged.judged, color="0.5", linewidth=1.0, linestyle=":",
+        label=f"force amplitude of table 1: {1e3 * dragged.judged:.3g} mN at {dragged.normal_force:.3g} N",
+    )  # fmt: skip
     over_frequency.set_xlabel("frequency [Hz]")
     over_frequency.set_ylabel("what the texture adds [mN]")
+    over_frequency.margins(y=0.4)  # likewise
     over_frequency.set_ylim(bottom=0.0)
-    over_frequency.legend(fontsize="small")
+    over_frequency.grid(color="0.9")
+    over_frequency.legend(fontsize="small", loc="upper right")
     figure.savefig(path, dpi=120)

@@ -78,7 +78,7 @@ def assess(
         target, velocity (m/s), attenuated, model ({gain_error dB, phase_error deg, delay s}), rows: [{sample,
         spectrum_error (over `velocity`), spectrum_error_mean, spectrum_error_worst, gain, shape_error, peak_ratio,
         correlation, saturated (by the amplifier), limited (by the layer), given (J to the hand by the layer, at most)}]
-        by rising mean error, order_reproduced, curves: {sample: (n,) m/s2 at the velocity nearest to 0.11}, rate.
+        by rising mean error, order_reproduced, curves: {sample: (n,) m/s2 at drawn_velocity, nearest to 0.11}, rate.
     """
     say = progress or (lambda line: None)
     stylus = stylus or Stylus()
@@ -140,6 +140,7 @@ def assess(
         "rows": rows,
         "order_reproduced": ordered,
         "curves": curves,
+        "drawn_velocity": float(v[middle]),
         "rate": stylus.rate,
     }
 

@@ -26,24 +26,33 @@ __all__ = [
 
 SHOWN = 6
 """Lines of a picture at most."""
+TICKS = (10, 20, 50, 100, 200, 500)
+"""Hz."""
 
 
 def bode_picture(measured: Empirical, model: DeviceModel, path: Path) -> None:
     """Gain, phase and coherence of what was measured and fitted."""
-    figure, (gain, phase, trust) = _figure(3, (7.0, 8.0))
+    figure, (gain, phase, trust) = _figure(3, (7.0, 8.0), sharex=True)
     f = measured.frequency
-    for h, name, style in ((measured.transfer, "measured", "0.6"), (model.transfer(f), "model", "C0")):
-        gain.plot(f, 20.0 * np.log10(abs(h)), color=style, label=name)
-        phase.plot(f, np.degrees(np.unwrap(np.angle(h))), color=style)
+    for h, name, style in (
+        (measured.transfer, f"measured, {measured.runs} runs", {"color": "0.7", "linewidth": 4.0}),
+        (model.transfer(f), "model", {"color": "C0", "linewidth": 1.3}),
+    ):
+        gain.plot(f, 20.0 * np.log10(abs(h)), label=name, **style)
+        phase.plot(f, np.degrees(np.unwrap(np.angle(h))), **style)
     trust.plot(f, measured.coherence, color="0.4")
-    gain.set_ylabel("acceleration over force [dB re 1 m/s² per N]")
-    gain.legend()
+    gain.set_ylabel("acceleration over force\n[dB re 1 m/s² per N]")
+    gain.legend(loc="upper left")
     phase.set_ylabel("phase [deg]")
-    trust.set_ylabel("coherence")
+    trust.set_ylabel("coherence [1]")
     trust.set_ylim(0.0, 1.05)
-    for axis in (gain, phase, trust):
-        axis.set_xscale("log")
+    trust.set_xscale("log")
+    trust.set_xticks(TICKS, [str(tick) for tick in TICKS])
+    trust.minorticks_off()
+    trust.set_xlim(f[0], f[-1])
     trust.set_xlabel("frequency [Hz]")
+    for axis in (gain, phase, trust):
+        axis.grid(color="0.9")
     figure.savefig(path, dpi=120)
 
 
@@ -52,10 +61,14 @@ def library_picture(library: Library, path: Path) -> None:
     figure, (axis,) = _figure(1, (7.0, 4.0))
     time = 1e3 * np.arange(library.force.shape[1]) / library.rate
     for i, (v, force) in enumerate(zip(library.velocity, library.force, strict=True)):
-        axis.plot(time, force, color=_shade(i, len(library.velocity)), label=f"{v:.3g} m/s")
-    axis.set_xlabel("time [ms]")
+        axis.plot(
+            time, force, color=_shade(i, len(library.velocity)), linewidth=1.1, zorder=3.0 - 0.01 * i,
+            label=f"{v:.3g} m/s",
+        )  # fmt: skip
+    axis.set_xlabel("time after contact [ms]")
     axis.set_ylabel("force out of the surface [N]")
-    axis.legend(fontsize="small")
+    axis.grid(color="0.9")
+    _legend(axis, title="incoming velocity")
     figure.savefig(path, dpi=120)
 
 
@@ -69,51 +82,73 @@ def transient_picture(rate: float, velocity: np.ndarray, force: np.ndarray, path
     kept = frequency <= 1000.0
     for k, i in enumerate(shown):
         colour, name = _shade(k, len(shown)), f"{velocity[i]:.3g} m/s"
-        over_time.plot(time, force[i], color=colour, label=name, linewidth=1.1)
-        over_frequency.plot(
-            frequency[kept], abs(np.fft.rfft(force[i], count))[kept] / rate, color=colour, linewidth=1.1
-        )
+        style = {"color": colour, "linewidth": 1.1, "zorder": 3.0 - 0.01 * k}
+        over_time.plot(time, force[i], label=name, **style)
+        over_frequency.plot(frequency[kept], abs(np.fft.rfft(force[i], count))[kept] / rate, **style)
     over_time.set_xlabel("time after contact [ms]")
     over_time.set_ylabel("force out of the surface [N]")
-    over_time.legend(fontsize="small")
+    _legend(over_time, title="incoming velocity")
     over_frequency.set_xlabel("frequency [Hz]")
     over_frequency.set_ylabel("force spectrum [N s]")
     over_frequency.set_ylim(bottom=0.0)
+    for axis in (over_time, over_frequency):
+        axis.grid(color="0.9")
     figure.savefig(path, dpi=120)
 
 
 def spectra_picture(result: dict[str, Any], path: Path) -> None:
     """What `assess` found, as magnitudes of the acceleration's spectrum from 20 to 400 Hz against the target's."""
-    figure, axes = _figure(2, (7.0, 7.0), sharex=True)
+    figure, axes = _figure(2, (7.0, 7.0), sharex=True, sharey=True)
     target = spectrum(result["curves"][result["target"]], result["rate"])
     for axis, kind in zip(axes, ("firm", "soft"), strict=True):
-        axis.plot(*target, color="0.2", linewidth=2.2, label=result["target"])
+        axis.plot(*target, color="0.7", linewidth=4.0, label=_words(result["target"]))
         names = [row["sample"] for row in result["rows"] if row["sample"].startswith(kind)]
         for i, name in enumerate(names):
             axis.plot(
-                *spectrum(result["curves"][name], result["rate"]), color=f"C{i}", linewidth=1.1, label=name
+                *spectrum(result["curves"][name], result["rate"]),
+                color=f"C{i}",
+                linewidth=1.1,
+                label=_words(name),
             )
         axis.set_ylabel("acceleration spectrum [m/s² s]")
-        axis.legend(fontsize="small")
+        axis.set_ylim(bottom=0.0)
+        axis.grid(color="0.9")
+        _legend(axis)
+    axes[0].set_title(f"taps at {result['drawn_velocity']:.3g} m/s", fontsize="medium")
     axes[-1].set_xlabel("frequency [Hz]")
     figure.savefig(path, dpi=120)
 
 
 def accelerations_picture(result: dict[str, Any], path: Path) -> None:
-    """What `assess` found, as the paper's figure 8: one panel a sample, by rising error."""
+    """What `assess` found, as the paper's figure 8: one panel a sample, by rising error, each over the target's.
+
+    Panels have one scale, but for what is much louder than the target.
+    """
     rows = result["rows"]
-    figure, axes = _figure(len(rows), (7.0, 1.1 * len(rows) + 0.8), sharex=True)
+    figure, axes = _figure(len(rows), (7.0, 1.25 * len(rows) + 0.8), sharex=True)
+    target = result["curves"][result["target"]]
+    most = 1.1 * abs(target).max()
     for axis, row in zip(axes, rows, strict=True):
         curve = result["curves"][row["sample"]]
-        axis.plot(1e3 * np.arange(len(curve)) / result["rate"], curve, color="C0", linewidth=0.9)
-        axis.set_title(
-            f"{row['sample']}: spectrum off by {100 * row['spectrum_error_mean']:.0f} %",
-            fontsize=8,
-            loc="left",
-        )
-        axis.tick_params(labelsize=7)
+        time = 1e3 * np.arange(len(curve)) / result["rate"]
+        axis.plot(time, target, color="0.75", linewidth=1.8)
+        own = row["sample"] == result["target"]
+        if not own:
+            axis.plot(time, curve, color="C0", linewidth=0.9)
+        off = "what the others are held against (grey)" if own else (
+            f"spectrum off by {100 * row['spectrum_error_mean']:.0f} %"
+        )  # fmt: skip
+        louder = abs(curve).max() > 1.5 * most
+        scale = ", another scale" if louder else ""
+        axis.set_ylim(*(1.1 * abs(curve).max() * np.array([-1, 1]) if louder else (-most, most)))
+        axis.set_xlim(0.0, 1e3 * len(curve) / result["rate"])
+        axis.set_title(f"{_words(row['sample'])}: {off}{scale}", fontsize=9, loc="left")
+        axis.tick_params(labelsize=8)
+        axis.grid(color="0.92")
     axes[-1].set_xlabel("time after contact [ms]")
-    axes[len(rows) // 2].set_ylabel("acceleration [m/s²]")
+    figure.supylabel(
+        f"acceleration of the tip, tapped at {result['drawn_velocity']:.3g} m/s [m/s²]", fontsize="medium"
+    )
     figure.savefig(path, dpi=120)
 
 
@@ -131,6 +166,14 @@ def _figure(rows: int, size: tuple[float, float], **options: Any):
     figure = Figure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, 1, squeeze=False, **options)[:, 0]
     return figure, axes
+
+
+def _legend(axis: Any, **options: Any) -> None:
+    axis.legend(fontsize="small", title_fontsize="small", loc="upper right", **options)
+
+
+def _words(sample: str) -> str:
+    return sample.replace("_", " ")
 
 
 def _shade(i: int, count: int) -> tuple[float, float, float]:

@@ -18,7 +18,7 @@ import numpy as np
 from palpate.author.errors import UNREADABLE, InputError
 from palpate.author.scene import Scene
 from palpate.author.texture.texture_rules import FACTORS
-from palpate.author.texture.texture_table import WAVES
+from palpate.author.texture.texture_table import FINEST, WAVES
 from palpate.author.texture.texture_table import Texture as Table
 from palpate.fields.field_error import FieldError
 from palpate.fields.lattice import BLOCK_EDGE, Lattice
@@ -151,7 +151,7 @@ def _waves(scene: Scene, key: str, table: Table) -> tuple[Waves, float]:
     assert table.file is not None
     try:
         position, height = _profile(table.file)
-        low, high = table.band or (0.0, np.inf)
+        low, high = table.band or (0.0, FINEST)
         limits = scene_limits(scene)
         if limits.resolution > 0.0:
             high = min(

@@ -16,13 +16,16 @@ from pydantic import Field, Strict
 from palpate.author.place import Place
 from palpate.author.scene_types import Direction, Quantity, SurfaceFile
 
-__all__ = ["WAVES", "Texture"]
+__all__ = ["FINEST", "WAVES", "Texture"]
+
+FINEST = 1e6
+"""1/m; the largest spatial frequency that a runtime takes."""
 
 WAVES = 8
 """Of noise or a profile where the scene does not say."""
 
 Length = Annotated[float, Quantity("length", above=0, most=0.1)]
-SpatialFrequency = Annotated[float, Quantity("spatial frequency", above=0, most=1e6)]
+SpatialFrequency = Annotated[float, Quantity("spatial frequency", above=0, most=FINEST)]
 
 
 class Texture(Place):
@@ -34,7 +37,7 @@ class Texture(Place):
         description="height: of a grating's crest, of noise its root mean square, of a profile its largest; "
         "a profile's own when absent",
     )
-    wavelength: Annotated[float, Quantity("length", least=1e-6, most=0.1)] | None = Field(
+    wavelength: Annotated[float, Quantity("length", least=1.0 / FINEST, most=0.1)] | None = Field(
         default=None, description="of a grating"
     )
     spatial_frequency: SpatialFrequency | None = Field(

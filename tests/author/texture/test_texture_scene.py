@@ -161,6 +161,15 @@ def test_a_file_that_is_no_profile_is_refused(asked, folder: Path, file: str, co
         textures_of(scene)
 
 
+def test_a_profile_in_a_wrong_unit_is_refused_before_anything_is_pressed(asked, folder: Path) -> None:
+    """All of it is finer than a runtime takes: 300 1/m over a million times shorter a profile are 3e8 1/m."""
+    scene = asked(PROFILE.replace("wood.csv", "wood.npz"))
+    x = np.arange(400) * 25e-12
+    np.savez(folder / "wood.npz", position=x, height=1e-6 * np.sin(2 * np.pi * 300e6 * x))
+    with pytest.raises(InputError, match=r"texture\[0\]\.file.*no height in its band"):
+        textures_of(scene)
+
+
 def test_an_effect_without_a_table_and_a_table_without_the_effect_are_refused(write_scene, asked) -> None:
     with pytest.raises(InputError, match=r"a table \[\[texture\]\]"):
         asked("")

@@ -29,6 +29,8 @@ class Element:
         bounds: indices of the elements of the same body whose closure holds this one (itself left out).
         numbers: polygon (k, 4) m, boundary lines in (across, axis x across) from the centre; vertex (k, 3) m, to the
             other end of each edge.
+        outward: polygon (k, 3): of each boundary line the unit normal out of the face, and how far, for each metre
+            that a point is sunk into the face beyond a reflex edge, it lies past the line; 0 for a convex edge.
         ball: (3,) m and m; centre and radius of a ball that holds the element.
     """
 
@@ -45,6 +47,7 @@ class Element:
     normal: np.ndarray = field(default_factory=lambda: np.tile(UP, (2, 1)))
     bounds: tuple[int, ...] = ()
     numbers: np.ndarray = field(default_factory=lambda: np.zeros((0, 1)))
+    outward: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     ball: tuple[np.ndarray, float] = field(default_factory=lambda: (np.zeros(3), 0.0))
 
     def moved(self, rotation: np.ndarray, offset: np.ndarray) -> Element:

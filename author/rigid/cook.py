@@ -11,6 +11,7 @@ import numpy as np
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.rigid.body import Body, Element, frame_of
 from palpate.author.rigid.law import LUO_XIAO, Law
+from palpate.author.rigid.reflex import past_reflex_edges
 from palpate.fields.rigid_layout import (
     ELEMENT,
     FORMATION,
@@ -67,11 +68,12 @@ def cooked_rigid(
         beside = sorted(_beside(elements, first, i))
         row["beside_first"], row["beside_count"] = len(indices), len(beside)
         indices += beside
-        flat = np.asarray(e.numbers, dtype="<f8").ravel()
+        lines, grown = past_reflex_edges(e, law.depth_max) if e.kind == "polygon" else (e.numbers, 0.0)
+        flat = np.asarray(lines, dtype="<f8").ravel()
         row["number_first"], row["number_count"] = at, len(flat)
         numbers.append(flat)
         at += len(flat)
-        row["bound_centre"], row["bound_radius"] = e.ball[0], e.ball[1]
+        row["bound_centre"], row["bound_radius"] = e.ball[0], e.ball[1] + grown
         row["centre"], row["axis"] = e.centre, e.axis
         row["across"] = frame_of(e.axis) if e.across is None else e.across
         for name in ("radius", "size", "low", "high", "cosine", "normal"):

@@ -14,6 +14,8 @@ __all__ = ["box", "plate_with_hole", "polyhedron"]
 
 FLAT = 1e-6
 """sine of the angle between normals of triangles that are one face."""
+STEEPEST = 4.0
+"""How far past a nearly flat reflex edge a face goes on, in depths."""
 
 
 def box(size: tuple[float, float, float]) -> Body:
@@ -75,9 +77,11 @@ def polyhedron(vertices: np.ndarray, triangles: np.ndarray, name: str = "mesh") 
     split = face_of[pairs[:, 0]] != face_of[pairs[:, 1]]
     pairs, edges, convex = pairs[split], edges[split], convex[split]
     points = np.asarray(mesh.vertices)
-    elements: list[Element] = [
-        _polygon(points, normals[f], edges[np.any(face_of[pairs] == f, axis=1)]) for f in range(len(normals))
-    ]
+    elements: list[Element] = []
+    for f in range(len(normals)):
+        own = np.any(face_of[pairs] == f, axis=1)
+        beyond = normals[face_of[pairs[own]].sum(axis=1) - f]
+        elements.append(_polygon(points, normals[f], edges[own], beyond, convex[own]))
     edge_ids: dict[int, list[tuple[int, int]]] = {}
     lines = _joined_edges(points, face_of[pairs], edges, convex)
     for (f, g), (a, b), bulges in lines:
@@ -128,7 +132,10 @@ def _faces(mesh: trimesh.Trimesh) -> tuple[np.ndarray, np.ndarray]:
     return face_of, normals / np.linalg.norm(normals, axis=1)[:, None]
 
 
-def _polygon(points: np.ndarray, normal: np.ndarray, boundary: np.ndarray) -> Element:
+def _polygon(
+    points: np.ndarray, normal: np.ndarray, boundary: np.ndarray, beyond: np.ndarray, convex: np.ndarray
+) -> Element:
+    """A face; `beyond` (k, 3): normals of the faces beyond its boundary lines."""
     ends = points[boundary]
     corners = ends.reshape(-1, 3)
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
@@ -137,7 +144,12 @@ def _polygon(points: np.ndarray, normal: np.ndarray, boundary: np.ndarray) -> El
     plane = np.stack([across, np.cross(normal, across)])
     lines = np.concatenate([(ends[:, 0] - centre) @ plane.T, (ends[:, 1] - centre) @ plane.T], axis=1)
     ball = (centre, float(np.linalg.norm(corners - centre, axis=1).max()))
-    return Element("polygon", centre, normal, across, numbers=lines, ball=ball)
+    cosine = beyond @ normal
+    sine = np.sqrt(np.maximum(1 - cosine**2, 1e-12))
+    out = (beyond @ plane.T) / sine[:, None] * np.where(convex, 1.0, -1.0)[:, None]
+    reach = np.where(convex, 0.0, np.minimum((1 + np.abs(cosine)) / sine, STEEPEST))
+    outward = np.concatenate([out, reach[:, None]], axis=1)
+    return Element("polygon", centre, normal, across, numbers=lines, outward=outward, ball=ball)
 
 
 def _joined_edges(points, faces, edges, convex):

@@ -64,7 +64,7 @@ class Servo:
             )
         )
         assert handle.value is not None
-        self._state = np.zeros((), dtype=SERVO_STATE)[()]
+        self._state: np.void = np.zeros(1, dtype=SERVO_STATE)[0]
         self._handle: int | None = handle.value
         self._stopper = weakref.finalize(self, _stop, handle.value, self._fields)
 

@@ -28,8 +28,11 @@ from palpate.author.errors import exit_code, problems_of
 __all__ = ["Answer", "answer_of", "plain", "table_of"]
 
 GO_ON = "Interrupted. Every finished press is kept."
-REFUSED = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM})
-"""What the system says when a folder takes no more, or never did."""
+REFUSED = frozenset(
+    {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM}
+    | {errno.ENOTDIR, errno.EISDIR, errno.EEXIST}
+)
+"""What the system says when a folder takes no more, never did, or is a file."""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -116,6 +117,84 @@ TEST(rigid, ticks_allocate_nothing_and_keep_within_the_device_on_any_path) {
                                  PALPATE_RIGID_TICK_RELEASED | PALPATE_RIGID_TICK_TOO_DEEP | PALPATE_RIGID_TICK_WAITING |
                                  PALPATE_RIGID_TICK_FORCE_LIMITED | PALPATE_RIGID_TICK_ENERGY_LIMITED;
     EXPECT_EQ(seen & wanted, wanted) << "the walk did not meet everything";
+}
+
+// Ticks of any numbers: not finite, huge, tiny, jumps, deep starts, any dt and flags, between ordinary ones.
+struct hostile_hand {
+    std::mt19937_64 random{11};
+    wanderer path{};
+    bool bad = false;  // whether the last state breaks the contract
+    double any() {
+        constexpr double of[] = {NAN, INFINITY, -INFINITY, 1e308, -1e308, 1e-308, 5e-324, 0.0, -0.0, 1e3, -1e3, 1.0, 0.02, -0.005, 1e-9};
+        return of[random() % (sizeof of / sizeof *of)];
+    }
+    palpate_rigid_state next() {
+        constexpr double dts[] = {0.0, -1e-3, NAN, INFINITY, 1e308, 1e-308, 5e-324, 1e-100, 1e-12, 1e-6, 1e-3, 0.1, 1.0, 1e9};
+        palpate_rigid_state s = path.next();
+        switch (random() % 80) {
+            case 0: s.position[random() % 3] = any(); break;
+            case 1: s.orientation[random() % 4] = any(); break;
+            case 2: s.dt = dts[random() % (sizeof dts / sizeof *dts)]; break;
+            case 3: for (double& x : s.position) x = any(); break;
+            case 4: for (double& x : s.position) x = 0.001 * static_cast<double>(random() % 40); break;  // deep, anywhere
+            case 5: for (double& x : s.orientation) x = any(); break;
+            case 6: s.flags = static_cast<std::uint32_t>(random()); break;
+            case 7: for (double& x : s.orientation) x = -x; break;
+            default: break;
+        }
+        double square = 0.0, sum = s.dt;
+        for (double x : s.orientation) square += x * x;
+        for (double x : s.position) sum += std::fabs(x);
+        bad = !std::isfinite(sum) || !(s.dt >= 1e-9) || !(std::fabs(square - 1.0) < 0.1);
+        return s;
+    }
+};
+
+void expect_finite(const palpate_rigid_response& r, double scale) {
+    const double* first = r.force;  // force to unaccounted are doubles in a row
+    const double* last = &r.unaccounted;
+    for (const double* x = first; x <= last; ++x) ASSERT_TRUE(std::isfinite(*x)) << "number " << x - first << ", configuration " << scale;
+    for (std::uint32_t i = 0; i < r.contact_count; ++i) {
+        const palpate_rigid_contact& c = r.contact[i];
+        for (const double* x = c.point; x < c.friction + 3; ++x) ASSERT_TRUE(std::isfinite(*x)) << "of contact " << i;
+    }
+}
+
+TEST(rigid, hostile_ticks_give_finite_answers_within_the_device_and_a_status) {
+    const char* many = std::getenv("PALPATE_HOSTILE_TICKS");
+    const long ticks = many != nullptr ? std::atol(many) : 400;
+    std::uint32_t touched = 0;
+    for (const char* name : {"ball", "pen", "torus"}) {
+        const opened_rigid scene(name);
+        ASSERT_NE(scene.rigid, nullptr);
+        for (unsigned kind = 0; kind < 16; ++kind) {
+            palpate_rigid_config config = limited((kind & 1u) != 0);
+            if ((kind & 2u) != 0) config.speed_max = 0.0;
+            if ((kind & 4u) != 0) config.filter_time = 0.0;
+            if ((kind & 8u) != 0) config.force_max = config.torque_max = 0.0;
+            config.dt_max = (kind & 2u) != 0 ? 1e6 : 0.1;
+            const rigid_memory memory(scene.rigid, config);
+            hostile_hand hand;
+            hand.random.seed(kind + 100u * static_cast<unsigned>(name[0]));
+            palpate_rigid_response out{};
+            out.size = sizeof out;
+            for (long i = 0; i < ticks; ++i) {
+                const palpate_rigid_state s = hand.next();
+                const std::uint32_t status = palpate_rigid_tick(memory.session, &s, &out);
+                ASSERT_EQ(status, out.status);
+                expect_finite(out, kind);
+                if (HasFatalFailure()) return;
+                touched += out.contact_count;
+                if (hand.bad) ASSERT_TRUE((status & PALPATE_RIGID_TICK_BAD_INPUT) != 0);
+                if ((status & PALPATE_RIGID_TICK_BAD_INPUT) != 0) ASSERT_EQ(size_of(out.force) + size_of(out.torque), 0.0);
+                if (config.force_max > 0.0) {
+                    ASSERT_LE(size_of(out.force), config.force_max * (1 + 1e-12)) << name << " " << kind;
+                    ASSERT_LE(size_of(out.torque), config.torque_max * (1 + 1e-12)) << name << " " << kind;
+                }
+            }
+        }
+    }
+    EXPECT_GT(touched, 100u);
 }
 
 TEST(rigid, a_host_that_knows_no_coupling_gets_none) {

@@ -53,7 +53,7 @@ typedef struct palpate_rigid_config {
     uint32_t size;
     uint32_t inertia;         /* 1: in free motion the object's own inertia is felt (default); 0: not */
     double grip[3];           /* m, in the held object's frame: where the device holds it */
-    double speed_max;         /* m/s, of any point of the object; a faster move is a jump (default 5) */
+    double speed_max;         /* m/s, of any point of the object; a faster move is a jump (default 5); 0: 1e6 */
     double dt_max;            /* s; a longer tick is stale (default 0.1) */
     double force_max;         /* N; the device's limit; 0: none */
     double torque_max;        /* N m, about the grip; 0: none */
@@ -115,7 +115,7 @@ typedef struct palpate_rigid_state {
 /* Status bits; those marked * mean zero wrench. */
 #define PALPATE_RIGID_TICK_JUMP 1u           /* * faster than speed_max, or further than contacts can be followed: released */
 #define PALPATE_RIGID_TICK_STALE 2u          /* * dt longer than dt_max: released */
-#define PALPATE_RIGID_TICK_BAD_INPUT 4u      /* * not finite, dt <= 0, no unit quaternion: released */
+#define PALPATE_RIGID_TICK_BAD_INPUT 4u      /* * not finite, dt < 1e-9 s, no unit quaternion: released */
 #define PALPATE_RIGID_TICK_BAD_ARGUMENT 8u   /* a null pointer or a struct too small: nothing was read or written */
 #define PALPATE_RIGID_TICK_RELEASED 16u      /* * PALPATE_INPUT_RELEASE was set */
 #define PALPATE_RIGID_TICK_TOO_DEEP 32u      /* * deeper than depth_max: released */

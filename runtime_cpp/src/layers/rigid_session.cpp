@@ -12,11 +12,13 @@ namespace palpate {
 namespace {
 
 constexpr double position_limit = 1e3;
+constexpr double shortest_tick = 1e-9;  // s; velocities and accelerations over less are not finite
+constexpr double fastest = 1e6;         // m/s; also where speed_max is 0
 constexpr int look_limit = 16;  // looks between two ticks
 constexpr std::size_t config_size_before_coupling = offsetof(palpate_rigid_config, coupling_stiffness);
 
 bool usable(const palpate_rigid_state& s) noexcept {
-    bool good = s.dt > 0.0 && s.dt <= 1e9;
+    bool good = s.dt >= shortest_tick && s.dt <= 1e9;
     double square = 0.0;
     for (double x : s.position) good = good && std::fabs(x) <= position_limit;
     for (double x : s.orientation) square += x * x;
@@ -117,7 +119,7 @@ std::uint32_t tick(palpate_rigid_session& s, const palpate_rigid_state& state, p
         step = std::sqrt(dot(moved, moved)) + s.scene->head.held_radius * std::sqrt(dot(turned, turned));
         book_step(s, moved, turned);
         if (state.dt > s.config.dt_max) status |= PALPATE_RIGID_TICK_STALE;
-        else if (s.config.speed_max > 0.0 && step > s.config.speed_max * state.dt) status |= PALPATE_RIGID_TICK_JUMP;
+        else if (step > (s.config.speed_max > 0.0 ? s.config.speed_max : fastest) * state.dt) status |= PALPATE_RIGID_TICK_JUMP;
     }
     if ((state.flags & PALPATE_INPUT_RELEASE) != 0) status |= PALPATE_RIGID_TICK_RELEASED;
     if (rigid_has_coupling(s)) return rigid_coupled_tick(s, state, device, moved, turned, status, out);

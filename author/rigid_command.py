@@ -154,6 +154,7 @@ def _timing_row(timing: Timing) -> dict[str, Any]:
         "identify_ns": _percentiles(timing.identify),
         "wrench_ns": _percentiles(timing.wrench),
         "tick_ns": _percentiles(timing.tick),
+        "missed": timing.missed,
     }
 
 
@@ -203,4 +204,5 @@ def _timing_line(row: dict[str, Any]) -> str:
         f"{what} {row[key]['p50']} ns (p99.9 {row[key]['p999']})"
         for what, key in (("formation", "identify_ns"), ("wrench", "wrench_ns"), ("tick", "tick_ns"))
     ]
-    return f"{row['name']}: {', '.join(parts)}"
+    missed = "".join(f"; {bar}" for bar in row["missed"])
+    return f"{row['name']}: {', '.join(parts)}{missed}"

@@ -19,6 +19,8 @@ from palpate.runtime.rigid import Rigid, RigidConfig, bench_rigid
 __all__ = [
     "COUPLING",
     "CURVED_PAIRS",
+    "NAMING_BAR",
+    "WRENCH_BAR",
     "Timing",
     "coupled_timings",
     "curved_timings",
@@ -32,6 +34,9 @@ COUPLING = RigidConfig(
     coupling_torsional_stiffness=2.0,
     coupling_torsional_damping=0.02,
 )
+
+NAMING_BAR, WRENCH_BAR = 20_000.0, 1_500.0
+"""ns, of the median tick; Luo and Xiao (2004) report 12 to 16 us for the wrench."""
 
 UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
 RING, CONE, TIP = shapes.torus(0.02, 0.005), shapes.cone(0.02, 0.05), shapes.paraboloid(20.0, 0.03)
@@ -59,6 +64,12 @@ class Timing:
     identify: np.ndarray
     wrench: np.ndarray
     tick: np.ndarray
+
+    @property
+    def missed(self) -> list[str]:
+        """Bars that the median tick does not meet."""
+        bars = (("naming", self.identify, NAMING_BAR), ("wrench", self.wrench, WRENCH_BAR))
+        return [f"{what} above {bar:.0f} ns" for what, ns, bar in bars if np.median(ns) > bar]
 
 
 def example_timings() -> list[Timing]:

@@ -1,13 +1,22 @@
 # SPDX-FileCopyrightText: 2026 The palpate authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is timed is contact."""
+"""What is timed is contact, and takes what it may take."""
+
+import timeit
 
 import numpy as np
 import pytest
 
 from palpate.author.rigid.cook import cooked_rigid
 from palpate.author.rigid.examples import MASS
-from palpate.author.rigid.timings import CURVED_PAIRS, press_and_roll
+from palpate.author.rigid.timings import (
+    CURVED_PAIRS,
+    NAMING_BAR,
+    WRENCH_BAR,
+    Timing,
+    example_timings,
+    press_and_roll,
+)
 from palpate.runtime.rigid import Rigid, RigidSession
 
 
@@ -19,3 +28,25 @@ def test_a_timed_pair_touches_and_no_tick_is_refused(name):
     assert not np.any(out["status"])
     touching = out["contact_count"] > 0
     assert np.mean(touching) > 0.8 and np.linalg.norm(out["contact_force"][touching], axis=1).max() > 0.5
+
+
+def slowness() -> float:
+    """How much slower this machine is now than a 2.4 GHz x86 core, which sums these numbers in 1.6 ms; at least 1."""
+    return max(1.0, min(timeit.repeat("sum(range(100_000))", number=1, repeat=50)) / 1.6e-3)
+
+
+def test_the_published_examples_are_named_and_rendered_in_time():
+    for timing in example_timings():
+        slow = slowness()
+        assert np.median(timing.wrench) <= slow * WRENCH_BAR, timing.name
+        assert np.median(timing.identify) <= slow * NAMING_BAR, timing.name
+
+
+def test_a_bar_that_is_missed_is_named():
+    ns = np.array([1.0, 2.0, 3.0])
+    assert Timing("quick", ns, ns, ns).missed == []
+    assert Timing("slow", 1e4 * ns, 1e3 * ns, ns).missed == ["wrench above 1500 ns"]
+    assert Timing("slower", 2e4 * ns, 1e3 * ns, ns).missed == [
+        "naming above 20000 ns",
+        "wrench above 1500 ns",
+    ]

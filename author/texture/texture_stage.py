@@ -177,6 +177,8 @@ def _profile(file: Path) -> tuple[np.ndarray, np.ndarray]:
     body = (
         lines[1:] if lines and any(letter.isalpha() and letter not in "eE" for letter in lines[0]) else lines
     )
+    if not any(line.strip() for line in body):
+        raise ValueError("no rows of position and height")
     table = np.loadtxt(body, delimiter=",", ndmin=2)
     if table.shape[1] != 2:
         raise ValueError(f"{table.shape[1]} columns")

@@ -40,6 +40,8 @@ CAPABILITIES: dict[str, Any] = {
     "fidelities": ("linear", "near_field", "full"),
     "time budget": True,
     "chosen knots": True,
+    "most nodes": 5000,
+    "most nodes of a deformation": 4096,
     "device": True,
     "places": ("box", "sphere", "half_space", "surface"),
 }
@@ -72,6 +74,11 @@ def _unsupported(scene: Scene) -> Iterator[Unsupported]:
         yield from _switch(
             "accuracy.time_budget", scene.accuracy.time_budget, "time budget", "no time_budget"
         )
+    nodes, most = scene.accuracy.nodes or 0, CAPABILITIES["most nodes"]
+    if nodes > most:
+        yield "accuracy.nodes", nodes, f"more than {most} nodes", f"at most {most}"
+    elif "deformation" in scene.effects and nodes > (most := CAPABILITIES["most nodes of a deformation"]):
+        yield "accuracy.nodes", nodes, f"a deformation of more than {most} nodes", f"at most {most}"
     if scene.accuracy.knots != "auto":
         yield from _switch("accuracy.knots", scene.accuracy.knots, "chosen knots", '"auto"')
     if scene.device is not None:

@@ -13,6 +13,8 @@ from palpate.author import capabilities
 from palpate.author.capabilities import CAPABILITIES, require_capabilities
 from palpate.author.errors import InputError, InputProblem
 from palpate.author.scene import load_scene
+from palpate.fields.deformation_layout import LIMITS
+from palpate.fields.kriging import ROWS_MAX
 
 REGION = '[[organ.region]]\nname = "a"\nbox = { min = [0, 0, 0], max = [1, 1, 1] }\n'
 NEO_HOOKEAN = 'material = { model = "neo_hookean", mu = 1e4 }\n'
@@ -100,6 +102,18 @@ def test_a_capability_that_is_switched_on_passes(
     monkeypatch.setitem(capabilities.CAPABILITIES, "material models", ("neo_hookean",))
     ogden = REGION + 'material = { model = "ogden", mu = 1e4, alpha = 6 }\n'
     assert set(problems(write_scene(ogden))) == {"organ.region[0].material.model"}
+
+
+@pytest.mark.parametrize(
+    ("effects", "most"), [('"response"', ROWS_MAX // 3), ('"response", "deformation"', LIMITS["node_count"])]
+)
+def test_more_nodes_than_a_field_can_have_are_refused_before_a_press(
+    write_scene: Callable[..., Path], effects: str, most: int
+) -> None:
+    change = 'name = "block"\n', f'name = "block"\neffects = [{effects}]\n'
+    require_capabilities(load_scene(write_scene(f"[accuracy]\nnodes = {most}\n", change)))
+    found = problems(write_scene(f"[accuracy]\nnodes = {most + 1}\n", change))
+    assert set(found) == {"accuracy.nodes"} and f"at most {most}" in found["accuracy.nodes"].sentence
 
 
 def test_the_complete_scene_asks_for_nothing_that_is_not_there(complete_scene: Path) -> None:

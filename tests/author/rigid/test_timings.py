@@ -35,22 +35,18 @@ def slowness() -> float:
     return max(1.0, min(timeit.repeat("sum(range(100_000))", number=1, repeat=50)) / 1.6e-3)
 
 
-def too_slow() -> list[str]:
-    found = []
-    for timing in example_timings():
-        slow = slowness()
-        wrench, naming = np.median(timing.wrench), np.median(timing.identify)
-        if wrench > slow * WRENCH_BAR or naming > slow * NAMING_BAR:
-            found.append(
-                f"{timing.name}: {naming:.0f} and {wrench:.0f} ns on a machine {slow:.2f} times as slow"
-            )
-    return found
-
-
 def test_the_published_examples_are_named_and_rendered_in_time():
-    """Once in three times: other work on the machine slows contact more than it slows a sum."""
-    attempts = (too_slow() for _ in range(3))
-    assert any(not found for found in attempts), too_slow()
+    """Each in the best of up to five attempts: other work on the machine slows contact more than it slows a sum."""
+    best: dict[str, tuple[float, float]] = {}
+    for _ in range(5):
+        for timing in example_timings():
+            slow = slowness()
+            now = np.median(timing.wrench) / slow, np.median(timing.identify) / slow
+            best[timing.name] = tuple(np.minimum(now, best.get(timing.name, now)))
+        late = {name: ns for name, ns in best.items() if ns[0] > WRENCH_BAR or ns[1] > NAMING_BAR}
+        if not late:
+            return
+    raise AssertionError(late)
 
 
 def test_a_bar_that_is_missed_is_named():

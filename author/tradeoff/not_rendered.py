@@ -18,6 +18,7 @@ k s stays, and slips:
 from __future__ import annotations
 
 import itertools
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,11 +50,11 @@ class _At:
     friction: np.ndarray
 
 
-class _Ticked:
+class _Ticked(ABC):
     """Renders legs from what `_at` says of places (n, 3) m."""
 
-    def _at(self, q: np.ndarray) -> _At:
-        raise NotImplementedError
+    @abstractmethod
+    def _at(self, q: np.ndarray) -> _At: ...
 
     def rendered(self, friction: float | None, legs: Sequence[np.ndarray]) -> Rendered:
         lines = [line(a, b) for a, b in itertools.pairwise(legs)]
